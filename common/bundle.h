@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/digest.h"
+#include "common/status.h"
+
+namespace strata {
+
+/// One file a scene needs: where the scene says it is, and what it holds.
+struct BundleFile {
+  std::string path;  ///< Relative to the bundle's root, '/' separated, no "." or "..".
+  Digest digest;
+  uint64_t bytes = 0;
+  bool operator==(const BundleFile&) const = default;
+};
+
+/// All files of a scene, by content. It never names a path outside itself.
+struct Bundle {
+  std::string scene;              ///< The path of the scene's main file, one of `files`.
+  std::vector<BundleFile> files;  ///< Sorted by path, no path twice.
+  bool operator==(const Bundle&) const = default;
+};
+
+/// INVALID_ARGUMENT with the offending path when the rules above are broken.
+absl::Status ValidateBundle(const Bundle& bundle);
+
+/// Names the scene: the digest over the paths and contents of all files.
+Digest BundleDigest(const Bundle& bundle);
+
+}  // namespace strata

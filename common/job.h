@@ -1,0 +1,84 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/bundle.h"
+#include "common/pixel_layout.h"
+#include "common/status.h"
+
+namespace strata {
+
+/// Names a job on its coordinator: short, printable, never reused ("j-1", "j-2", ...).
+using JobId = std::string;
+
+/// A half-open rectangle of pixels: x0 <= x < x1, y0 <= y < y1; y grows downwards.
+struct PixelRect {
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+  int Width() const { return x1 - x0; }
+  int Height() const { return y1 - y0; }
+  int64_t Pixels() const { return static_cast<int64_t>(Width()) * Height(); }
+  bool operator==(const PixelRect&) const = default;
+};
+
+enum class SamplerKind { kSobol, kIndependent };
+enum class FilterKind { kBox, kTriangle, kGaussian, kMitchell };
+
+/// A reconstruction filter with pbrt-v4's parameters; radii in pixels.
+struct FilterSpec {
+  FilterKind kind = FilterKind::kBox;
+  double radius_x = 0.5, radius_y = 0.5;
+  double sigma = 0.5;            ///< Gaussian: standard deviation in pixels.
+  double b = 1.0 / 3, c = 1.0 / 3;  ///< Mitchell.
+  bool operator==(const FilterSpec&) const = default;
+};
+
+/// Channels beside R, G, B; each is a plain mean without an error.
+struct ExtraChannels {
+  bool alpha = false;   ///< "A": 1 where the camera path hits a surface.
+  bool albedo = false;  ///< "albedo.R/G/B": hemispherical reflectance at the first hit.
+  bool normal = false;  ///< "normal.X/Y/Z": world-space shading normal at the first hit.
+  bool depth = false;   ///< "depth.Z": distance along the camera's axis to the first hit.
+  bool operator==(const ExtraChannels&) const = default;
+};
+
+/// All that decides the bits of a frame, but for the scene's files, which `bundle` names, and how
+/// the farm treats the job (name, priority). Built by the client with every default resolved.
+struct JobSpec {
+  std::string name;
+  int priority = 0;  ///< Higher first; -100 to 100.
+  Bundle bundle;
+  int width = 0, height = 0;  ///< Full frame in pixels, 1 to 65536 each.
+  PixelRect crop;             ///< The pixels rendered, inside the frame, not empty.
+  int max_depth = 5;          ///< Bounces, as pbrt-v4's maxdepth; 0 to 100000.
+  SamplerKind sampler = SamplerKind::kSobol;
+  FilterSpec filter;
+  uint32_t spp = 64;  ///< Samples per pixel over all replicates: a positive multiple of 8.
+  int tile = 32;      ///< Edge of a tile in pixels, 8 to 1024.
+  uint64_t seed = 0;
+  uint32_t frame = 0;
+  ExtraChannels channels;
+  bool reproducible = true;  ///< Refuse workers whose build or traced digest differs.
+  bool operator==(const JobSpec&) const = default;
+};
+
+/// INVALID_ARGUMENT naming the field and the reason when a value is out of its range.
+absl::Status ValidateJobSpec(const JobSpec& spec);
+
+/// The layout of this job's pixels.
+PixelLayout LayoutOf(const JobSpec& spec);
+
+/// The names of all plain channels in layout order, as they appear in the EXR.
+std::vector<std::string> PlainChannelNames(const ExtraChannels& channels);
+
+/// "sobol", "independent"; "box", "triangle", "gaussian", "mitchell".
+std::string_view ToString(SamplerKind kind);
+std::string_view ToString(FilterKind kind);
+absl::StatusOr<SamplerKind> ParseSamplerKind(std::string_view name);
+absl::StatusOr<FilterKind> ParseFilterKind(std::string_view name);
+/// pbrt-v4's default radius and parameters of each filter.
+FilterSpec DefaultFilter(FilterKind kind);
+
+}  // namespace strata

@@ -1,0 +1,86 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/digest.h"
+#include "common/job.h"
+
+// What a coordinator tells its clients about jobs and workers.
+
+namespace strata {
+
+enum class JobState { kQueued, kRunning, kPaused, kDone, kFailed, kCancelled };
+std::string_view ToString(JobState state);
+inline bool IsFinal(JobState s) {
+  return s == JobState::kDone || s == JobState::kFailed || s == JobState::kCancelled;
+}
+
+/// Relative error of one tile: see JobStatus::rel_error; for the list of the worst.
+struct TileError {
+  PixelRect pixels;
+  double rel_error = 0;
+};
+
+/// A job as it stands. Times are seconds; counts include merged work alone.
+struct JobStatus {
+  JobId id;
+  JobSpec spec;
+  JobState state = JobState::kQueued;
+  std::string message;        ///< Why it failed or waits; empty otherwise.
+  double fraction = 0;        ///< Share of the planned samples that are merged, 0 to 1.
+  uint64_t samples = 0;       ///< Merged samples; duplicates not counted.
+  uint64_t rays = 0;
+  uint64_t nonfinite = 0;
+  double spp_mean = 0;        ///< Over the crop.
+  /// 99th percentile over pixels and channels of ci95 half-width over max(luminance, 5 % of the
+  /// image mean luminance); 0 until every pixel has samples in all replicates.
+  double rel_error = 0;
+  double flagged = 0;         ///< Share of pixels with a flag, 0 to 1.
+  double mean_rgb[3] = {0, 0, 0};
+  double samples_per_second = 0;  ///< Over the last few seconds.
+  double eta_s = -1;          ///< Estimated seconds left; negative: unknown.
+  double submitted_unix_s = 0;
+  double wall_s = 0;          ///< Since submission, until the end.
+  double load_s = 0;          ///< Longest time a worker took to load the scene.
+  double render_s = 0;        ///< From the first unit leased to the last merge.
+  int workers = 0;            ///< Workers that hold a lease of this job now.
+  std::vector<TileError> worst_tiles;  ///< At most 5, worst first.
+  Digest result;              ///< Over counts, means and moments of the film; valid when done.
+};
+
+struct WorkerStatus {
+  std::string id, name, state;  ///< state: "idle", "busy", "draining", "lost".
+  std::vector<std::string> tags;
+  uint32_t threads = 0;
+  int leases = 0;
+  uint64_t samples = 0;         ///< Merged from this worker since it joined.
+  double connected_s = 0;
+  double silent_s = 0;          ///< Since the last byte heard.
+  std::string build;
+};
+
+struct LogLine {
+  double unix_s = 0;
+  std::string level;  ///< "info", "warning", "error".
+  std::string text;
+};
+
+/// The layers of a job's image as floats, row-major over the crop, pixel-interleaved in the order
+/// of `channels`: R G B, plain channels, stderr.*, ci95.*, variance.*, samples.Y, flags.Y.
+struct ImageLayers {
+  int full_width = 0, full_height = 0;
+  PixelRect crop;
+  std::vector<std::string> channels;
+  std::vector<float> values;
+  /// For the EXR's header: job spec, seed, scene digest, build, counts, result digest.
+  std::vector<std::pair<std::string, std::string>> metadata;
+};
+
+/// Bits of the flags layer.
+inline constexpr uint32_t kFlagSkew = 1;       ///< Too few samples for the skewness around it.
+inline constexpr uint32_t kFlagNonFinite = 2;  ///< A sample was NaN or infinite: no interval.
+
+}  // namespace strata

@@ -1,0 +1,10 @@
+#pragma once
+
+namespace strata {
+
+class JobStore {
+ public:
+  virtual ~JobStore() = default;
+};
+
+}  // namespace strata

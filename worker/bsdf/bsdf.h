@@ -1,0 +1,49 @@
+#pragma once
+
+#include <optional>
+#include <variant>
+
+#include "worker/math/vec.h"
+
+#include "worker/bsdf/coated_conductor.h"
+#include "worker/bsdf/coated_diffuse.h"
+#include "worker/bsdf/conductor.h"
+#include "worker/bsdf/dielectric.h"
+#include "worker/bsdf/diffuse.h"
+#include "worker/bsdf/diffuse_transmission.h"
+#include "worker/bsdf/thin_dielectric.h"
+
+// How a point of a surface scatters light. Each kind is a plain struct with free inline functions
+// in a header of its own:
+//
+//   Rgb Eval(const X&, Vec3f wo, Vec3f wi)          f(wo, wi) |cos theta_i|; 0 for delta parts
+//   float Pdf(const X&, Vec3f wo, Vec3f wi)         per solid angle of wi; 0 for delta parts
+//   std::optional<BsdfSample> Sample(const X&, Vec3f wo, float u_lobe, Vec2f u)
+//   bool IsDelta(const X&)                          all of it is delta: light sampling is in vain
+//   Rgb Albedo(const X&, Vec3f wo)                  directional albedo, approximate, for a channel
+//
+// Directions are local (z = shading normal), unit, and point away from the surface. Transport is of
+// radiance: refraction scales by 1/eta^2 (PBRT 9.5.2).
+
+namespace strata {
+
+using Bsdf = std::variant<DiffuseBsdf, ConductorBsdf, DielectricBsdf, ThinDielectricBsdf,
+                          CoatedDiffuseBsdf, CoatedConductorBsdf, DiffuseTransmissionBsdf>;
+
+inline Rgb Eval(const Bsdf& bsdf, Vec3f wo, Vec3f wi) {
+  return std::visit([&](const auto& b) { return Eval(b, wo, wi); }, bsdf);
+}
+inline float Pdf(const Bsdf& bsdf, Vec3f wo, Vec3f wi) {
+  return std::visit([&](const auto& b) { return Pdf(b, wo, wi); }, bsdf);
+}
+inline std::optional<BsdfSample> Sample(const Bsdf& bsdf, Vec3f wo, float u_lobe, Vec2f u) {
+  return std::visit([&](const auto& b) { return Sample(b, wo, u_lobe, u); }, bsdf);
+}
+inline bool IsDelta(const Bsdf& bsdf) {
+  return std::visit([](const auto& b) { return IsDelta(b); }, bsdf);
+}
+inline Rgb Albedo(const Bsdf& bsdf, Vec3f wo) {
+  return std::visit([&](const auto& b) { return Albedo(b, wo); }, bsdf);
+}
+
+}  // namespace strata

@@ -1,0 +1,110 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <variant>
+#include <vector>
+
+#include "common/status.h"
+#include "worker/math/vec.h"
+#include "worker/scene/description.h"
+
+// All surfaces of a scene behind one intersector. Embree is seen by geometry's .cpp files alone.
+
+namespace strata {
+
+struct Ray {
+  Vec3f origin;
+  Vec3f direction;  ///< Unit length for camera and path rays; shadow rays may be segments.
+  float t_max = std::numeric_limits<float>::infinity();
+};
+
+/// What the intersector found; Surface() makes sense of it.
+struct Hit {
+  float t = 0;
+  float u = 0, v = 0;         ///< Of the primitive: barycentric for triangles.
+  Vec3f ng;                   ///< Geometric normal as the intersector gives it, not normalized.
+  uint32_t geometry = 0;      ///< Embree geometry id.
+  uint32_t primitive = 0;
+  uint32_t instance = ~0u;    ///< ~0: not in an instance.
+};
+
+/// A point on a surface, in world space.
+struct SurfacePoint {
+  Vec3f p;
+  Vec3f p_error;      ///< Absolute bound of the rounding error of p, per axis (PBRT 6.8).
+  Vec3f ng;           ///< Unit geometric normal of the outer side (after ReverseOrientation).
+  Vec3f ns;           ///< Unit shading normal, in the hemisphere of ng.
+  Vec3f dpdu;         ///< Tangent along u; not normalized; may be zero.
+  Vec2f uv;
+  MaterialId material = 0;
+  int32_t light = -1;  ///< Index into Geometry::emitters(), or -1.
+};
+
+// Emissive shapes in world space, as light sampling wants them.
+struct TriangleEmitter {
+  Vec3f p0, p1, p2;
+  Vec3f ng;            ///< Unit, of the emitting side.
+};
+struct SphereEmitter {  ///< A full sphere under a similarity transform.
+  Vec3f center;
+  float radius = 0;
+  bool inward = false;  ///< The emitting side is the inside.
+};
+/// Any other shape: sampled by area through Geometry::SampleEmitter.
+struct OtherEmitter {
+  uint32_t shape = 0;
+};
+struct Emitter {
+  std::variant<TriangleEmitter, SphereEmitter, OtherEmitter> shape;
+  Rgb radiance;
+  bool two_sided = false;
+  float area = 0;  ///< World.
+};
+
+/// A point chosen on an emitter.
+struct EmitterPoint {
+  Vec3f p, p_error, ng;
+  float pdf_area = 0;  ///< Per unit of world area.
+};
+
+class Geometry {
+ public:
+  /// Uses the shapes, objects, instances and materials (for interfaces, which are left out) of
+  /// `scene`. INVALID_ARGUMENT with the location of a shape that cannot be built (singular
+  /// transform, emitter in an object, ...).
+  static absl::StatusOr<std::unique_ptr<Geometry>> Build(const SceneDescription& scene);
+  ~Geometry();
+
+  /// The nearest hit in (0, ray.t_max); false if none. Thread-safe, as all that is const here.
+  bool Intersect(const Ray& ray, Hit* hit) const;
+  /// Whether anything lies in (0, ray.t_max).
+  bool Occluded(const Ray& ray) const;
+  SurfacePoint Surface(const Ray& ray, const Hit& hit) const;
+
+  const std::vector<Emitter>& emitters() const { return emitters_; }
+  /// For OtherEmitter: uniform by area; u in [0,1)^2.
+  EmitterPoint SampleEmitter(const OtherEmitter& emitter, Vec2f u) const;
+
+  struct Bounds {
+    Vec3f min, max;
+  };
+  Bounds bounds() const { return bounds_; }
+  uint64_t triangle_count() const { return triangle_count_; }
+
+ private:
+  struct State;
+  Geometry();
+  std::unique_ptr<State> state_;
+  std::vector<Emitter> emitters_;
+  Bounds bounds_;
+  uint64_t triangle_count_ = 0;
+};
+
+/// Where a ray that leaves `point` in direction `w` starts, so that it does not hit the surface it
+/// leaves: moved along ng by the error bound (PBRT 6.8.6).
+Vec3f OffsetRayOrigin(const SurfacePoint& point, Vec3f w);
+Vec3f OffsetRayOrigin(Vec3f p, Vec3f p_error, Vec3f ng, Vec3f w);
+
+}  // namespace strata

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "common/status.h"
+#include "worker/math/vec.h"
+#include "worker/scene/description.h"
+#include "worker/scene/file_source.h"
+
+namespace strata {
+
+/// All textures of a scene, ready to be looked up. Images that several textures share are loaded
+/// once. Thread-safe after Load; look-ups neither lock nor allocate.
+class TextureSet {
+ public:
+  /// NOT_FOUND or INVALID_ARGUMENT with the image's path.
+  static absl::StatusOr<std::unique_ptr<TextureSet>> Load(
+      const std::vector<TextureDescription>& textures, const FileSource& source);
+  ~TextureSet();
+
+  /// `p` is the world-space point, for solid textures. kNoTexture gives black.
+  Rgb Eval(TextureId id, Vec2f uv, Vec3f p) const;
+  /// True when the texture is the same everywhere.
+  bool IsConstant(TextureId id) const;
+
+ private:
+  struct State;
+  TextureSet();
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace strata

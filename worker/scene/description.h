@@ -1,0 +1,237 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "common/job.h"
+#include "worker/math/transform.h"
+#include "worker/math/vec.h"
+
+// A scene as its file describes it: plain data, made by a reader (worker/pbrt), consumed once by
+// the builders of geometry, lights and materials. Ids are indices into SceneDescription's vectors.
+// Colours are linear Rec.709; lengths are scene units; angles are degrees where the file has them.
+
+namespace strata {
+
+struct SourceLocation {
+  std::string file;  ///< As named by the user or the including file.
+  int line = 0;
+  std::string ToString() const { return file + ":" + std::to_string(line); }
+};
+
+/// Something read but not rendered as the file asks. The picture stays meaningful.
+struct SceneWarning {
+  SourceLocation where;
+  std::string text;  ///< What is not supported and what is done instead.
+};
+
+// ---- textures: evaluate to an Rgb; where a number is wanted its r component is used ----
+
+using TextureId = int32_t;
+inline constexpr TextureId kNoTexture = -1;
+
+/// (s, t) = (su * u + du, sv * v + dv), pbrt's "uv" mapping.
+struct UvMapping {
+  float su = 1, sv = 1, du = 0, dv = 0;
+};
+enum class ImageWrap { kRepeat, kBlack, kClamp };
+enum class ImageEncoding { kSrgb, kLinear, kGamma };  ///< Of 8-bit files; others are linear.
+
+struct ConstantTexture {
+  Rgb value;
+};
+struct ImageTexture {
+  std::string path;  ///< In the bundle. Row 0 of the image is at t = 1.
+  UvMapping mapping;
+  ImageWrap wrap = ImageWrap::kRepeat;
+  ImageEncoding encoding = ImageEncoding::kSrgb;
+  float gamma = 2.2f;        ///< For kGamma.
+  float scale = 1;
+  bool invert = false;       ///< 1 - value, before `scale` (as pbrt: clamped at 0).
+  bool nearest = false;      ///< No filtering ("point"); bilinear otherwise.
+  bool scalar = false;       ///< A float texture: the mean of the channels in all of r, g, b.
+};
+struct ScaleTexture {
+  TextureId texture = kNoTexture, scale = kNoTexture;
+};
+struct MixTexture {
+  TextureId a = kNoTexture, b = kNoTexture, amount = kNoTexture;  ///< (1-amount) a + amount b.
+};
+struct CheckerboardTexture {
+  TextureId a = kNoTexture, b = kNoTexture;
+  UvMapping mapping;
+  bool solid = false;        ///< 3-D: cells of unit size in texture space.
+  Transform world_to_texture;  ///< For `solid`.
+};
+using TextureDescription =
+    std::variant<ConstantTexture, ImageTexture, ScaleTexture, MixTexture, CheckerboardTexture>;
+
+// ---- materials; every parameter is a texture so that constants need no second case ----
+
+using MaterialId = int32_t;
+
+/// Roughness as pbrt gives it; `remap` turns it into GGX alpha = sqrt(roughness).
+struct Roughness {
+  TextureId u = kNoTexture, v = kNoTexture;  ///< kNoTexture: 0, smooth.
+  bool remap = true;
+};
+struct DiffuseMaterial {
+  TextureId reflectance = kNoTexture;
+};
+struct ConductorMaterial {
+  TextureId eta = kNoTexture, k = kNoTexture;
+  TextureId reflectance = kNoTexture;  ///< If set: eta 1 and the k that gives this at normal incidence.
+  Roughness roughness;
+};
+struct DielectricMaterial {
+  float eta = 1.5f;
+  Roughness roughness;
+};
+struct ThinDielectricMaterial {
+  float eta = 1.5f;
+};
+/// A dielectric coat over a base; between them an absorbing or clear layer.
+struct CoatedDiffuseMaterial {
+  TextureId reflectance = kNoTexture;
+  Roughness roughness;
+  float eta = 1.5f;
+  TextureId albedo = kNoTexture;  ///< Single-scattering albedo of the layer; 0 scatters nothing.
+  float thickness = 0.01f;
+};
+struct CoatedConductorMaterial {
+  Roughness interface_roughness, conductor_roughness;
+  float interface_eta = 1.5f;
+  TextureId eta = kNoTexture, k = kNoTexture, reflectance = kNoTexture;
+};
+struct DiffuseTransmissionMaterial {
+  TextureId reflectance = kNoTexture, transmittance = kNoTexture;
+  float scale = 1;
+};
+struct MixMaterial {
+  MaterialId a = 0, b = 0;
+  TextureId amount = kNoTexture;  ///< Of b.
+};
+/// No surface at all, only the border of a medium. Shapes of it are left out of the geometry.
+struct InterfaceMaterial {};
+using MaterialDescription =
+    std::variant<DiffuseMaterial, ConductorMaterial, DielectricMaterial, ThinDielectricMaterial,
+                 CoatedDiffuseMaterial, CoatedConductorMaterial, DiffuseTransmissionMaterial,
+                 MixMaterial, InterfaceMaterial>;
+
+// ---- shapes, in their own space, placed by `to_world` ----
+
+struct TriangleMeshShape {
+  std::vector<Vec3f> positions;
+  std::vector<Vec3f> normals;  ///< Empty, or one for each position.
+  std::vector<Vec2f> uvs;      ///< Empty, or one for each position.
+  std::vector<std::array<uint32_t, 3>> triangles;
+};
+struct SphereShape {
+  float radius = 1, z_min = -1, z_max = 1, phi_max = 360;
+};
+struct DiskShape {
+  float height = 0, radius = 1, inner_radius = 0, phi_max = 360;
+};
+struct CylinderShape {
+  float radius = 1, z_min = -1, z_max = 1, phi_max = 360;
+};
+struct BilinearPatchShape {
+  std::vector<Vec3f> positions;
+  std::vector<Vec3f> normals;
+  std::vector<Vec2f> uvs;
+  std::vector<std::array<uint32_t, 4>> patches;  ///< Corners p00, p10, p01, p11.
+};
+using ShapeGeometry = std::variant<TriangleMeshShape, SphereShape, DiskShape, CylinderShape,
+                                   BilinearPatchShape>;
+
+/// Emission of a shape. Radiance leaves the side the surface normal points to.
+struct AreaEmission {
+  Rgb radiance;
+  bool two_sided = false;
+};
+
+struct ShapeDescription {
+  SourceLocation where;
+  ShapeGeometry geometry;
+  Transform to_world;
+  MaterialId material = 0;
+  bool reverse_orientation = false;
+  std::optional<AreaEmission> emission;
+};
+
+/// Shapes that are placed by instances; their to_world leads to the object's space.
+struct ObjectDescription {
+  std::string name;
+  std::vector<ShapeDescription> shapes;
+};
+struct InstanceDescription {
+  SourceLocation where;
+  int32_t object = 0;
+  Transform to_world;
+};
+
+// ---- lights other than emissive shapes ----
+
+struct PointLightDescription {
+  Vec3f position;  ///< World.
+  Rgb intensity;
+};
+struct DistantLightDescription {
+  Vec3f direction;  ///< World, unit, from the scene towards the light.
+  Rgb irradiance;   ///< On a surface that faces it.
+};
+struct ConstantInfiniteLightDescription {
+  Rgb radiance;
+};
+enum class EnvironmentMapping { kEqualArea, kLatLong };
+struct ImageInfiniteLightDescription {
+  std::string path;  ///< In the bundle; pbrt-v4's equal-area octahedral layout unless lat-long.
+  Transform to_world;
+  float scale = 1;
+  EnvironmentMapping mapping = EnvironmentMapping::kEqualArea;
+};
+struct LightDescription {
+  SourceLocation where;
+  std::variant<PointLightDescription, DistantLightDescription, ConstantInfiniteLightDescription,
+               ImageInfiniteLightDescription>
+      light;
+};
+
+// ---- camera and defaults ----
+
+/// Perspective with a thin lens (PBRT 5.2). Camera space: x right, y up, z forward.
+struct CameraDescription {
+  Transform camera_to_world;
+  float fov = 90;             ///< Degrees, over the shorter edge of the screen window.
+  float lens_radius = 0;      ///< Scene units.
+  float focal_distance = 1e6f;
+  std::optional<float> frame_aspect;                 ///< Width over height; from the frame if unset.
+  std::optional<std::array<float, 4>> screen_window; ///< x_min, x_max, y_min, y_max.
+};
+
+/// What the file says of the frame; job options override it.
+struct FrameDefaults {
+  int width = 1280, height = 720;
+  std::optional<PixelRect> crop;
+  FilterSpec filter;
+  SamplerKind sampler = SamplerKind::kSobol;
+  uint32_t spp = 16;
+  int max_depth = 5;
+};
+
+struct SceneDescription {
+  FrameDefaults defaults;
+  CameraDescription camera;
+  std::vector<TextureDescription> textures;
+  std::vector<MaterialDescription> materials;  ///< Never empty: 0 is pbrt's default, diffuse 0.5.
+  std::vector<ShapeDescription> shapes;
+  std::vector<ObjectDescription> objects;
+  std::vector<InstanceDescription> instances;
+  std::vector<LightDescription> lights;
+};
+
+}  // namespace strata
