@@ -37,7 +37,8 @@ struct Hello {
 /// Sent whenever nothing else was for a heartbeat period.
 struct Heartbeat {};
 
-/// Asks for a file of a job from `offset` bytes on.
+/// Asks for at most kFileChunkBytes of a file of a job from `offset` bytes on; each request is
+/// answered by exactly one FileChunk, so that the asker alone decides how much is on its way.
 struct FileRequest {
   Digest digest;
   uint64_t offset = 0;
