@@ -54,7 +54,7 @@ struct SphereEmitter {  ///< A full sphere under a similarity transform.
 };
 /// Any other shape: sampled by area through Geometry::SampleEmitter.
 struct OtherEmitter {
-  uint32_t shape = 0;
+  uint32_t shape = 0;  ///< Known to Geometry alone.
 };
 struct Emitter {
   std::variant<TriangleEmitter, SphereEmitter, OtherEmitter> shape;
@@ -73,7 +73,7 @@ class Geometry {
  public:
   /// Uses the shapes, objects, instances and materials (for interfaces, which are left out) of
   /// `scene`. INVALID_ARGUMENT with the location of a shape that cannot be built (singular
-  /// transform, emitter in an object, ...).
+  /// transform, index out of range, ...). Emissive shapes in objects shine from every instance.
   static absl::StatusOr<std::unique_ptr<Geometry>> Build(const SceneDescription& scene);
   ~Geometry();
 
@@ -84,8 +84,12 @@ class Geometry {
   SurfacePoint Surface(const Ray& ray, const Hit& hit) const;
 
   const std::vector<Emitter>& emitters() const { return emitters_; }
-  /// For OtherEmitter: uniform by area; u in [0,1)^2.
+  /// A point of an OtherEmitter, u in [0,1)^2. Uniform by area where the shape's transform is a
+  /// similarity (and a bilinear patch is a parallelogram); otherwise its density varies over the
+  /// shape, so use `pdf_area` of the point and not 1 / area.
   EmitterPoint SampleEmitter(const OtherEmitter& emitter, Vec2f u) const;
+  /// The density, per unit of world area, with which SampleEmitter finds `p` on the emitter.
+  float EmitterPdfArea(const OtherEmitter& emitter, Vec3f p) const;
 
   struct Bounds {
     Vec3f min, max;
