@@ -11,6 +11,7 @@
 #include "common/messages.h"
 #include "common/report.h"
 #include "common/status.h"
+#include "coordinator/file_store.h"
 #include "coordinator/job_store.h"
 #include "coordinator/worker_link.h"
 
@@ -24,7 +25,7 @@ struct FarmOptions {
   uint32_t kernel_revision = 0;     ///< Workers must match, for reproducible jobs.
   std::chrono::milliseconds heartbeat{2000};
   std::chrono::milliseconds silence{10000};  ///< After which a worker's leases go to others.
-  uint32_t max_unit_failures = 3;   ///< Workers a unit may fail or kill before its job fails.
+  uint32_t max_unit_failures = 3;  ///< Workers a unit may fail or kill before its job fails.
 };
 
 /// The coordinator without a network: jobs, plans, leases, merging. Thread-safe; time enters only
@@ -38,7 +39,7 @@ class Farm {
   // ---- files, by content ----
   std::vector<Digest> MissingFiles(const std::vector<Digest>& digests) const;
   /// Opens an upload; FileUpload::Append and Finish (which verifies the digest) fill it.
-  class FileUpload;
+  using FileUpload = FileStore::Upload;
   absl::StatusOr<std::unique_ptr<FileUpload>> BeginUpload(const Digest& digest, uint64_t bytes);
 
   // ---- jobs ----

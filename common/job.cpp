@@ -1,0 +1,149 @@
+#include "common/job.h"
+
+#include <absl/strings/ascii.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace strata {
+namespace {
+
+constexpr int kMaxFrameEdge = 65536;
+constexpr size_t kMaxNameBytes = 256;
+constexpr double kMaxFilterRadius = 64;
+
+constexpr std::array<std::pair<SamplerKind, std::string_view>, 2> kSamplerNames = {{
+    {SamplerKind::kSobol, "sobol"},
+    {SamplerKind::kIndependent, "independent"},
+}};
+constexpr std::array<std::pair<FilterKind, std::string_view>, 4> kFilterNames = {{
+    {FilterKind::kBox, "box"},
+    {FilterKind::kTriangle, "triangle"},
+    {FilterKind::kGaussian, "gaussian"},
+    {FilterKind::kMitchell, "mitchell"},
+}};
+
+template <typename Table, typename Kind>
+std::string_view NameOf(const Table& table, Kind kind) {
+  for (const auto& [value, name] : table) {
+    if (value == kind) return name;
+  }
+  return "unknown";
+}
+
+template <typename Table>
+auto ParseName(const Table& table, std::string_view what, std::string_view name)
+    -> absl::StatusOr<decltype(table[0].first)> {
+  std::string known;
+  for (const auto& [value, known_name] : table) {
+    if (known_name == name) return value;
+    absl::StrAppend(&known, known.empty() ? "" : ", ", known_name);
+  }
+  return absl::InvalidArgumentError(
+      absl::StrCat(what, " \"", name, "\" is not known; choose one of ", known));
+}
+
+absl::Status Bad(std::string_view field, std::string_view reason) {
+  return absl::InvalidArgumentError(absl::StrCat(field, ": ", reason));
+}
+
+absl::Status CheckRange(std::string_view field, int64_t value, int64_t low, int64_t high) {
+  if (value >= low && value <= high) return absl::OkStatus();
+  return Bad(field, absl::StrCat(value, " is not in ", low, " to ", high));
+}
+
+absl::Status CheckPositive(std::string_view field, double value, double high) {
+  if (value > 0 && value <= high) return absl::OkStatus();  // False for NaN too.
+  return Bad(field, absl::StrCat(value, " is not above 0 and at most ", high));
+}
+
+absl::Status ValidateFilter(const FilterSpec& filter) {
+  if (NameOf(kFilterNames, filter.kind) == "unknown") return Bad("filter.kind", "is not known");
+  STRATA_RETURN_IF_ERROR(CheckPositive("filter.radius_x", filter.radius_x, kMaxFilterRadius));
+  STRATA_RETURN_IF_ERROR(CheckPositive("filter.radius_y", filter.radius_y, kMaxFilterRadius));
+  STRATA_RETURN_IF_ERROR(CheckPositive("filter.sigma", filter.sigma, kMaxFilterRadius));
+  if (!(std::abs(filter.b) <= 10)) return Bad("filter.b", "is not a number in -10 to 10");
+  if (!(std::abs(filter.c) <= 10)) return Bad("filter.c", "is not a number in -10 to 10");
+  return absl::OkStatus();
+}
+
+absl::Status ValidateCrop(const JobSpec& spec) {
+  const PixelRect& crop = spec.crop;
+  if (crop.x0 >= crop.x1 || crop.y0 >= crop.y1) return Bad("crop", "holds no pixel");
+  if (crop.x0 < 0 || crop.y0 < 0 || crop.x1 > spec.width || crop.y1 > spec.height) {
+    return Bad("crop",
+               absl::StrCat(crop.x0, ",", crop.y0, ",", crop.x1, ",", crop.y1,
+                            " reaches outside the frame of ", spec.width, "x", spec.height));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::Status ValidateJobSpec(const JobSpec& spec) {
+  if (spec.name.size() > kMaxNameBytes) {
+    return Bad("name", absl::StrCat("is longer than ", kMaxNameBytes, " bytes"));
+  }
+  if (std::any_of(spec.name.begin(), spec.name.end(), absl::ascii_iscntrl)) {
+    return Bad("name", "holds a control character");
+  }
+  STRATA_RETURN_IF_ERROR(CheckRange("priority", spec.priority, -100, 100));
+  STRATA_RETURN_IF_ERROR(Annotate(ValidateBundle(spec.bundle), "bundle"));
+  STRATA_RETURN_IF_ERROR(CheckRange("width", spec.width, 1, kMaxFrameEdge));
+  STRATA_RETURN_IF_ERROR(CheckRange("height", spec.height, 1, kMaxFrameEdge));
+  STRATA_RETURN_IF_ERROR(ValidateCrop(spec));
+  STRATA_RETURN_IF_ERROR(CheckRange("max_depth", spec.max_depth, 0, 100000));
+  if (NameOf(kSamplerNames, spec.sampler) == "unknown") return Bad("sampler", "is not known");
+  STRATA_RETURN_IF_ERROR(ValidateFilter(spec.filter));
+  if (spec.spp == 0 || spec.spp % kReplicates != 0) {
+    return Bad("spp", absl::StrCat(spec.spp, " is not a positive multiple of ", kReplicates));
+  }
+  return CheckRange("tile", spec.tile, 8, 1024);
+}
+
+PixelLayout LayoutOf(const JobSpec& spec) {
+  PixelLayout layout;
+  layout.plain = static_cast<int>(PlainChannelNames(spec.channels).size());
+  return layout;
+}
+
+std::vector<std::string> PlainChannelNames(const ExtraChannels& channels) {
+  std::vector<std::string> names;
+  if (channels.alpha) names.push_back("A");
+  if (channels.albedo) names.insert(names.end(), {"albedo.R", "albedo.G", "albedo.B"});
+  if (channels.normal) names.insert(names.end(), {"normal.X", "normal.Y", "normal.Z"});
+  if (channels.depth) names.push_back("depth.Z");
+  return names;
+}
+
+std::string_view ToString(SamplerKind kind) { return NameOf(kSamplerNames, kind); }
+std::string_view ToString(FilterKind kind) { return NameOf(kFilterNames, kind); }
+
+absl::StatusOr<SamplerKind> ParseSamplerKind(std::string_view name) {
+  return ParseName(kSamplerNames, "sampler", name);
+}
+absl::StatusOr<FilterKind> ParseFilterKind(std::string_view name) {
+  return ParseName(kFilterNames, "filter", name);
+}
+
+FilterSpec DefaultFilter(FilterKind kind) {
+  FilterSpec filter;
+  filter.kind = kind;
+  switch (kind) {
+    case FilterKind::kBox:
+      filter.radius_x = filter.radius_y = 0.5;
+      break;
+    case FilterKind::kGaussian:
+      filter.radius_x = filter.radius_y = 1.5;
+      break;
+    case FilterKind::kTriangle:
+    case FilterKind::kMitchell:
+      filter.radius_x = filter.radius_y = 2;
+      break;
+  }
+  return filter;
+}
+
+}  // namespace strata
