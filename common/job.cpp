@@ -1,6 +1,7 @@
 #include "common/job.h"
 
 #include <absl/strings/ascii.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -39,24 +40,24 @@ auto ParseName(const Table& table, std::string_view what, std::string_view name)
   std::string known;
   for (const auto& [value, known_name] : table) {
     if (known_name == name) return value;
-    absl::StrAppend(&known, known.empty() ? "" : ", ", known_name);
+    known.append(known.empty() ? "" : ", ").append(known_name);
   }
   return absl::InvalidArgumentError(
-      absl::StrCat(what, " \"", name, "\" is not known; choose one of ", known));
+      fmt::format("{} \"{}\" is not known; choose one of {}", what, name, known));
 }
 
 absl::Status Bad(std::string_view field, std::string_view reason) {
-  return absl::InvalidArgumentError(absl::StrCat(field, ": ", reason));
+  return absl::InvalidArgumentError(fmt::format("{}: {}", field, reason));
 }
 
 absl::Status CheckRange(std::string_view field, int64_t value, int64_t low, int64_t high) {
   if (value >= low && value <= high) return absl::OkStatus();
-  return Bad(field, absl::StrCat(value, " is not in ", low, " to ", high));
+  return Bad(field, fmt::format("{} is not in {} to {}", value, low, high));
 }
 
 absl::Status CheckPositive(std::string_view field, double value, double high) {
   if (value > 0 && value <= high) return absl::OkStatus();  // False for NaN too.
-  return Bad(field, absl::StrCat(value, " is not above 0 and at most ", high));
+  return Bad(field, fmt::format("{} is not above 0 and at most {}", value, high));
 }
 
 absl::Status ValidateFilter(const FilterSpec& filter) {
@@ -73,9 +74,8 @@ absl::Status ValidateCrop(const JobSpec& spec) {
   const PixelRect& crop = spec.crop;
   if (crop.x0 >= crop.x1 || crop.y0 >= crop.y1) return Bad("crop", "holds no pixel");
   if (crop.x0 < 0 || crop.y0 < 0 || crop.x1 > spec.width || crop.y1 > spec.height) {
-    return Bad("crop",
-               absl::StrCat(crop.x0, ",", crop.y0, ",", crop.x1, ",", crop.y1,
-                            " reaches outside the frame of ", spec.width, "x", spec.height));
+    return Bad("crop", fmt::format("{},{},{},{} reaches outside the frame of {}x{}", crop.x0,
+                                   crop.y0, crop.x1, crop.y1, spec.width, spec.height));
   }
   return absl::OkStatus();
 }
@@ -84,7 +84,7 @@ absl::Status ValidateCrop(const JobSpec& spec) {
 
 absl::Status ValidateJobSpec(const JobSpec& spec) {
   if (spec.name.size() > kMaxNameBytes) {
-    return Bad("name", absl::StrCat("is longer than ", kMaxNameBytes, " bytes"));
+    return Bad("name", fmt::format("is longer than {} bytes", kMaxNameBytes));
   }
   if (std::any_of(spec.name.begin(), spec.name.end(), absl::ascii_iscntrl)) {
     return Bad("name", "holds a control character");
@@ -98,7 +98,7 @@ absl::Status ValidateJobSpec(const JobSpec& spec) {
   if (NameOf(kSamplerNames, spec.sampler) == "unknown") return Bad("sampler", "is not known");
   STRATA_RETURN_IF_ERROR(ValidateFilter(spec.filter));
   if (spec.spp == 0 || spec.spp % kReplicates != 0) {
-    return Bad("spp", absl::StrCat(spec.spp, " is not a positive multiple of ", kReplicates));
+    return Bad("spp", fmt::format("{} is not a positive multiple of {}", spec.spp, kReplicates));
   }
   return CheckRange("tile", spec.tile, 8, 1024);
 }
