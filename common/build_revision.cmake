@@ -1,0 +1,28 @@
+# Writes OUTPUT, a header with the version and a digest of the sources under SOURCE, and leaves it
+# untouched when nothing changed, so that only build_info.cpp depends on it. Run at every build.
+set(digests)
+foreach(folder proto common worker coordinator)
+  file(GLOB_RECURSE sources RELATIVE ${SOURCE} ${SOURCE}/${folder}/*.proto
+       ${SOURCE}/${folder}/*.h ${SOURCE}/${folder}/*.cpp)
+  list(SORT sources)
+  foreach(source ${sources})
+    file(SHA256 ${SOURCE}/${source} digest)
+    string(APPEND digests "${source} ${digest}\n")
+  endforeach()
+endforeach()
+file(SHA256 ${SOURCE}/CMakeLists.txt digest)
+string(APPEND digests "CMakeLists.txt ${digest}\n")
+string(SHA256 digest "${digests}")
+string(SUBSTRING ${digest} 0 12 digest)
+
+set(content "#define STRATA_VERSION \"${VERSION}\"\n#define STRATA_SOURCES \"${digest}\"\n")
+foreach(library EMBREE OPENIMAGEIO PROTOBUF GRPC)
+  string(APPEND content "#define STRATA_${library} \"${${library}}\"\n")
+endforeach()
+set(previous)
+if(EXISTS ${OUTPUT})
+  file(READ ${OUTPUT} previous)
+endif()
+if(NOT content STREQUAL previous)
+  file(WRITE ${OUTPUT} "${content}")
+endif()

@@ -1,0 +1,133 @@
+#include "common/wire/job.h"
+
+#include "common/wire/field.h"
+
+namespace strata::wire {
+namespace {
+
+constexpr std::pair<SamplerKind, v1::SamplerKind> kSamplers[] = {
+    {SamplerKind::kSobol, v1::SAMPLER_KIND_SOBOL},
+    {SamplerKind::kIndependent, v1::SAMPLER_KIND_INDEPENDENT},
+};
+constexpr std::pair<FilterKind, v1::FilterKind> kFilters[] = {
+    {FilterKind::kBox, v1::FILTER_KIND_BOX},
+    {FilterKind::kTriangle, v1::FILTER_KIND_TRIANGLE},
+    {FilterKind::kGaussian, v1::FILTER_KIND_GAUSSIAN},
+    {FilterKind::kMitchell, v1::FILTER_KIND_MITCHELL},
+};
+
+template <class Table, class Plain, class Wire>
+void EnumToWire(const Table& table, Plain value, Wire* wire) {
+  for (const auto& [plain, message] : table) {
+    if (plain == value) *wire = message;
+  }
+}
+
+template <class Table, class Wire, class Plain>
+absl::Status EnumFromWire(const Table& table, Wire value, std::string_view field, Plain* result) {
+  for (const auto& [plain, message] : table) {
+    if (message == value) {
+      *result = plain;
+      return absl::OkStatus();
+    }
+  }
+  return FieldError(field, absl::StrCat("unknown value ", static_cast<int>(value)));
+}
+
+absl::StatusOr<Bundle> FromWire(const v1::Bundle& message) {
+  Bundle bundle;
+  bundle.scene = message.scene();
+  bundle.files.reserve(static_cast<size_t>(message.files_size()));
+  for (int i = 0; i < message.files_size(); ++i) {
+    const v1::BundleFile& file = message.files(i);
+    STRATA_ASSIGN_OR_RETURN(
+        const Digest digest,
+        ReadDigest(file.digest(), absl::StrCat("spec.bundle.files[", i, "].digest")));
+    bundle.files.push_back({file.path(), digest, file.bytes()});
+  }
+  return bundle;
+}
+
+}  // namespace
+
+void ToWire(const PixelRect& rect, v1::PixelRect* message) {
+  message->set_x0(rect.x0);
+  message->set_y0(rect.y0);
+  message->set_x1(rect.x1);
+  message->set_y1(rect.y1);
+}
+
+PixelRect FromWire(const v1::PixelRect& message) {
+  return {message.x0(), message.y0(), message.x1(), message.y1()};
+}
+
+void ToWire(const JobSpec& spec, v1::JobSpec* message, bool with_files) {
+  message->set_name(spec.name);
+  message->set_priority(spec.priority);
+  message->mutable_bundle()->set_scene(spec.bundle.scene);
+  if (with_files) {
+    for (const BundleFile& file : spec.bundle.files) {
+      v1::BundleFile* out = message->mutable_bundle()->add_files();
+      out->set_path(file.path);
+      out->set_digest(DigestBytes(file.digest));
+      out->set_bytes(file.bytes);
+    }
+  }
+  message->set_width(spec.width);
+  message->set_height(spec.height);
+  ToWire(spec.crop, message->mutable_crop());
+  message->set_max_depth(spec.max_depth);
+  v1::SamplerKind sampler = v1::SAMPLER_KIND_UNSPECIFIED;
+  EnumToWire(kSamplers, spec.sampler, &sampler);
+  message->set_sampler(sampler);
+  v1::FilterSpec* filter = message->mutable_filter();
+  v1::FilterKind kind = v1::FILTER_KIND_UNSPECIFIED;
+  EnumToWire(kFilters, spec.filter.kind, &kind);
+  filter->set_kind(kind);
+  filter->set_radius_x(spec.filter.radius_x);
+  filter->set_radius_y(spec.filter.radius_y);
+  filter->set_sigma(spec.filter.sigma);
+  filter->set_b(spec.filter.b);
+  filter->set_c(spec.filter.c);
+  message->set_spp(spec.spp);
+  message->set_tile(spec.tile);
+  message->set_seed(spec.seed);
+  message->set_frame(spec.frame);
+  v1::ExtraChannels* channels = message->mutable_channels();
+  channels->set_alpha(spec.channels.alpha);
+  channels->set_albedo(spec.channels.albedo);
+  channels->set_normal(spec.channels.normal);
+  channels->set_depth(spec.channels.depth);
+  message->set_reproducible(spec.reproducible);
+}
+
+absl::StatusOr<JobSpec> FromWire(const v1::JobSpec& message) {
+  JobSpec spec;
+  STRATA_RETURN_IF_ERROR(CheckText(message.name(), 1024, false, "spec.name"));
+  spec.name = message.name();
+  spec.priority = message.priority();
+  STRATA_ASSIGN_OR_RETURN(spec.bundle, FromWire(message.bundle()));
+  spec.width = message.width();
+  spec.height = message.height();
+  spec.crop = FromWire(message.crop());
+  spec.max_depth = message.max_depth();
+  STRATA_RETURN_IF_ERROR(EnumFromWire(kSamplers, message.sampler(), "spec.sampler", &spec.sampler));
+  const v1::FilterSpec& filter = message.filter();
+  STRATA_RETURN_IF_ERROR(
+      EnumFromWire(kFilters, filter.kind(), "spec.filter.kind", &spec.filter.kind));
+  spec.filter.radius_x = filter.radius_x();
+  spec.filter.radius_y = filter.radius_y();
+  spec.filter.sigma = filter.sigma();
+  spec.filter.b = filter.b();
+  spec.filter.c = filter.c();
+  spec.spp = message.spp();
+  spec.tile = message.tile();
+  spec.seed = message.seed();
+  spec.frame = message.frame();
+  const v1::ExtraChannels& channels = message.channels();
+  spec.channels = {channels.alpha(), channels.albedo(), channels.normal(), channels.depth()};
+  spec.reproducible = message.reproducible();
+  return spec;
+}
+
+}  // namespace strata::wire
