@@ -267,7 +267,7 @@ inline double Log(double x) {
   return n * 0x1.62e42feep-1 + (elementary_detail::LogSeries(mantissa) + n * 0x1.a39ef35793c76p-33);
 }
 
-/// x^y within 1 ulp for x >= 0; NaN for negative x. 0^0 = 1. Works in the 80-bit format, whose
+/// x^y within 1.5 ulp for x >= 0; NaN for negative x. 0^0 = 1. Works in the 80-bit format, whose
 /// arithmetic is as exactly rounded as that of double, since y log x needs eleven more bits.
 inline double Pow(double x, double y) {
   if (y == 0 || x == 1) return 1;
