@@ -1,0 +1,10 @@
+#pragma once
+
+#include <cstdint>
+
+namespace strata {
+
+/// Grows with every change that may alter the bits of a sample.
+inline constexpr uint32_t kKernelRevision = 1;
+
+}  // namespace strata
