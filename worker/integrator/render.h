@@ -6,6 +6,7 @@
 #include <string>
 
 #include "common/job.h"
+#include "common/kernel_revision.h"
 #include "common/status.h"
 #include "common/unit.h"
 #include "worker/scene/file_source.h"
@@ -56,8 +57,5 @@ class Renderer {
 /// Digest of a small built-in scene rendered by every compiled kernel: equal on machines whose
 /// renders are equal (design, section 4). Takes some milliseconds.
 Digest TracedDigest();
-
-/// Grows with every change that may alter the bits of a sample.
-inline constexpr uint32_t kKernelRevision = 1;
 
 }  // namespace strata
