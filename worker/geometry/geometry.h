@@ -1,5 +1,7 @@
 #pragma once
 
+#include <bit>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -23,20 +25,20 @@ struct Ray {
 /// What the intersector found; Surface() makes sense of it.
 struct Hit {
   float t = 0;
-  float u = 0, v = 0;         ///< Of the primitive: barycentric for triangles.
-  Vec3f ng;                   ///< Geometric normal as the intersector gives it, not normalized.
-  uint32_t geometry = 0;      ///< Embree geometry id.
+  float u = 0, v = 0;     ///< Barycentric for triangles; parameters of a bilinear patch.
+  Vec3f local;            ///< Of curved shapes: the point in the shape's own space.
+  uint32_t geometry = 0;  ///< Embree geometry id.
   uint32_t primitive = 0;
-  uint32_t instance = ~0u;    ///< ~0: not in an instance.
+  uint32_t instance = ~0u;  ///< ~0: not in an instance.
 };
 
 /// A point on a surface, in world space.
 struct SurfacePoint {
   Vec3f p;
-  Vec3f p_error;      ///< Absolute bound of the rounding error of p, per axis (PBRT 6.8).
-  Vec3f ng;           ///< Unit geometric normal of the outer side (after ReverseOrientation).
-  Vec3f ns;           ///< Unit shading normal, in the hemisphere of ng.
-  Vec3f dpdu;         ///< Tangent along u; not normalized; may be zero.
+  Vec3f p_error;  ///< Absolute bound of the rounding error of p, per axis (PBRT 6.8).
+  Vec3f ng;       ///< Unit geometric normal of the outer side (after ReverseOrientation).
+  Vec3f ns;       ///< Unit shading normal, in the hemisphere of ng.
+  Vec3f dpdu;     ///< Tangent along u; not normalized; may be zero.
   Vec2f uv;
   MaterialId material = 0;
   int32_t light = -1;  ///< Index into Geometry::emitters(), or -1.
@@ -45,7 +47,7 @@ struct SurfacePoint {
 // Emissive shapes in world space, as light sampling wants them.
 struct TriangleEmitter {
   Vec3f p0, p1, p2;
-  Vec3f ng;            ///< Unit, of the emitting side.
+  Vec3f ng;  ///< Unit, of the emitting side.
 };
 struct SphereEmitter {  ///< A full sphere under a similarity transform.
   Vec3f center;
@@ -107,8 +109,22 @@ class Geometry {
 };
 
 /// Where a ray that leaves `point` in direction `w` starts, so that it does not hit the surface it
-/// leaves: moved along ng by the error bound (PBRT 6.8.6).
-Vec3f OffsetRayOrigin(const SurfacePoint& point, Vec3f w);
-Vec3f OffsetRayOrigin(Vec3f p, Vec3f p_error, Vec3f ng, Vec3f w);
+/// leaves: moved along ng by the error bound, to the side of w, and rounded away (PBRT 6.8.6).
+inline Vec3f OffsetRayOrigin(Vec3f p, Vec3f p_error, Vec3f ng, Vec3f w) {
+  const float distance = Dot(Abs(ng), p_error);
+  const Vec3f offset = ng * (Dot(w, ng) < 0 ? -distance : distance);
+  // One float further, away from p, wherever the sum was rounded.
+  const auto move = [](float from, float by) {
+    const float sum = from + by;
+    if (by == 0 || !std::isfinite(sum)) return sum;
+    const int32_t bits = std::bit_cast<int32_t>(sum);
+    if (sum == 0) return std::copysign(std::numeric_limits<float>::denorm_min(), by);
+    return std::bit_cast<float>((by > 0) == (sum > 0) ? bits + 1 : bits - 1);
+  };
+  return {move(p.x, offset.x), move(p.y, offset.y), move(p.z, offset.z)};
+}
+inline Vec3f OffsetRayOrigin(const SurfacePoint& point, Vec3f w) {
+  return OffsetRayOrigin(point.p, point.p_error, point.ng, w);
+}
 
 }  // namespace strata

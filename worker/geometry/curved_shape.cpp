@@ -1,0 +1,107 @@
+#include "worker/geometry/curved_shape.h"
+
+#include <variant>
+
+#include "worker/geometry/rounding.h"
+
+namespace strata {
+namespace {
+
+struct RoundedPoint {
+  Vec3f p, p_error;
+};
+
+/// The point in the group's space, rounded to float once; what the doubles before it may err by is
+/// bounded with a wide margin.
+RoundedPoint ToGroup(const Placement& placement, Vec3d p) {
+  constexpr double kDoubleError = 0x1p-46;
+  RoundedPoint rounded;
+  rounded.p = ToFloat(Placement::Point(placement.to_world, p));
+  rounded.p_error = Gamma(1) * Abs(rounded.p) + ToFloat(placement.PointMagnitude(p) * kDoubleError);
+  return rounded;
+}
+
+Vec3f OuterNormal(const CurvedShape& shape, Vec3d n) {
+  const Vec3f normal = ToFloat(Normalize(shape.placement.NormalToWorld(n)));
+  return shape.flipped ? -normal : normal;
+}
+
+}  // namespace
+
+std::optional<SurfaceHit> Intersect(const CurvedShape& shape, const SurfaceRay& ray) {
+  const SurfaceRay local = {Placement::Point(shape.placement.to_object, ray.origin),
+                            Placement::Vector(shape.placement.to_object, ray.direction), ray.t_max};
+  return std::visit([&](const auto& s) { return Intersect(s, local); }, shape.surface);
+}
+
+SurfacePoint PointOn(const CurvedShape& shape, const SurfaceHit& hit) {
+  const LocalPoint local =
+      std::visit([&](const auto& s) { return PointAt(s, hit); }, shape.surface);
+  const RoundedPoint rounded = ToGroup(shape.placement, local.p);
+  SurfacePoint point;
+  point.p = rounded.p;
+  point.p_error = rounded.p_error;
+  point.ng = OuterNormal(shape, local.ng);
+  point.ns = OuterNormal(shape, local.ns);
+  if (Dot(point.ns, point.ng) < 0) point.ns = -point.ns;
+  point.dpdu = ToFloat(Placement::Vector(shape.placement.to_world, local.dpdu));
+  point.uv = {static_cast<float>(local.uv.x), static_cast<float>(local.uv.y)};
+  point.material = shape.material;
+  point.light = shape.light;
+  return point;
+}
+
+EmitterPoint SampleArea(const CurvedShape& shape, Vec2f u) {
+  const LocalPoint local = std::visit(
+      [&](const auto& s) {
+        return SampleArea(s, {u.x, u.y});
+      },
+      shape.surface);
+  const double pdf = std::visit([&](const auto& s) { return PdfArea(s, local.p); }, shape.surface);
+  const RoundedPoint rounded = ToGroup(shape.placement, local.p);
+  return {rounded.p, rounded.p_error, OuterNormal(shape, local.ng),
+          static_cast<float>(pdf / shape.placement.AreaScale(local.ng))};
+}
+
+float PdfArea(const CurvedShape& shape, Vec3f p) {
+  const Vec3d local = Placement::Point(shape.placement.to_object, ToDouble(p));
+  return std::visit(
+      [&](const auto& s) {
+        const double scale = shape.placement.AreaScale(NormalAt(s, local));
+        return static_cast<float>(PdfArea(s, local) / scale);
+      },
+      shape.surface);
+}
+
+double AreaOf(const CurvedShape& shape) {
+  // The mean of 1 / pdf over a grid of samples; each term is the area where the density is even.
+  constexpr int kGrid = 64;
+  double sum = 0;
+  for (int i = 0; i < kGrid; ++i) {
+    for (int j = 0; j < kGrid; ++j) {
+      const Vec2d u = {(i + 0.5) / kGrid, (j + 0.5) / kGrid};
+      std::visit(
+          [&](const auto& s) {
+            const LocalPoint local = SampleArea(s, u);
+            const double pdf = PdfArea(s, local.p);
+            if (pdf > 0) sum += shape.placement.AreaScale(local.ng) / pdf;
+          },
+          shape.surface);
+    }
+  }
+  return sum / (kGrid * kGrid);
+}
+
+Box BoundsOf(const CurvedShape& shape) {
+  const Box local = std::visit([](const auto& s) { return BoundsOf(s); }, shape.surface);
+  Box box;
+  for (int corner = 0; corner < 8; ++corner) {
+    box.Include(Placement::Point(
+        shape.placement.to_world,
+        {corner & 1 ? local.max.x : local.min.x, corner & 2 ? local.max.y : local.min.y,
+         corner & 4 ? local.max.z : local.min.z}));
+  }
+  return box;
+}
+
+}  // namespace strata

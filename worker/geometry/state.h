@@ -1,0 +1,54 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "worker/geometry/curved_shape.h"
+#include "worker/geometry/embree_compat.h"
+#include "worker/geometry/geometry.h"
+#include "worker/geometry/placement.h"
+#include "worker/geometry/triangle_set.h"
+
+namespace strata {
+
+// Embree ids of the geometries in a group's scene.
+inline constexpr uint32_t kTriangleGeometry = 0;
+inline constexpr uint32_t kCurvedGeometry = 1;
+inline constexpr uint32_t kFirstInstance = 2;  ///< Only in the world's scene.
+
+/// Shapes that share a space and an Embree scene: the world's own, or those of an object.
+struct ShapeGroup {
+  TriangleSet triangles;
+  std::vector<CurvedShape> curved;
+  RTCScene scene = nullptr;
+};
+
+/// An object placed in the world by Embree's instancing.
+struct Instance {
+  const ShapeGroup* object = nullptr;
+  Placement placement;
+  /// What the world-to-object transform of a ray's origin in float may err by, as a distance in the
+  /// world: this matrix times |p| + |translation|.
+  double origin_error[3][3] = {};
+};
+
+struct Geometry::State {
+  RTCDevice device = nullptr;
+  ShapeGroup world;
+  std::vector<std::unique_ptr<ShapeGroup>> objects;
+  std::vector<Instance> instances;
+
+  State() = default;
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+  ~State();
+};
+
+/// Creates the Embree scene of a group whose shapes are final, uncommitted. The group must stay
+/// where it is.
+void CreateEmbreeScene(RTCDevice device, ShapeGroup* group);
+
+/// Places `instance.object` in the world's scene under Embree id kFirstInstance + `index`.
+void AttachInstance(RTCDevice device, RTCScene world, const Instance& instance, uint32_t index);
+
+}  // namespace strata

@@ -1,0 +1,111 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "worker/geometry/geometry.h"
+#include "worker/geometry/rounding.h"
+
+namespace strata {
+
+/// The triangles of many shapes in one space, as flat arrays that Embree shares: one mesh for all,
+/// since a scene of many small meshes traces faster as one.
+struct TriangleSet {
+  struct Triangle {
+    uint32_t vertices[3];
+    uint32_t shape : 31;
+    uint32_t flipped : 1;  ///< The outer side is opposite to (p1 - p0) x (p2 - p0).
+  };
+  static_assert(sizeof(Triangle) == 16);
+
+  /// What the triangles of one shape have in common.
+  struct Shape {
+    static constexpr uint32_t kNone = ~0u;
+    MaterialId material = 0;
+    int32_t first_light = -1;  ///< Emitter of the first triangle, or -1; the others follow.
+    uint32_t first_triangle = 0;
+    uint32_t normal_offset = kNone;  ///< Added, modulo 2^32, to a vertex index; kNone: no normals.
+    uint32_t uv_offset = kNone;
+  };
+
+  std::vector<Vec3f> positions;
+  std::vector<Vec3f> normals;  ///< Unit or zero, on the outer side.
+  std::vector<Vec2f> uvs;
+  std::vector<Triangle> triangles;
+  std::vector<Shape> shapes;
+};
+
+/// The unit vector along `v`, whose squared length may lie outside the range of float.
+inline Vec3f NormalizeInDouble(Vec3f v) {
+  const double x = v.x, y = v.y, z = v.z;
+  const double scale = 1 / std::sqrt(x * x + y * y + z * z);
+  return {static_cast<float>(x * scale), static_cast<float>(y * scale),
+          static_cast<float>(z * scale)};
+}
+
+/// The point with barycentric coordinates (1 - u - v, u, v) of a triangle, in the set's space.
+///
+/// p is p0 + (u e1 + v e2), which lies in the triangle's plane for any u and v, so that only its
+/// own roundings count: one of p and at most four of each product. To them p_error adds what the
+/// intersector's plane test may err by, seen from a point of this triangle: its distance is
+/// ng . (p0 - p) with rounded ng = e1 x e2, so that a ray that leaves p does not meet the triangle
+/// again. Each bound is taken per axis; for planes along the axes it is the rounding of p alone.
+inline SurfacePoint PointOnTriangle(const TriangleSet& set, uint32_t primitive, float u, float v) {
+  const TriangleSet::Triangle& triangle = set.triangles[primitive];
+  const TriangleSet::Shape& shape = set.shapes[triangle.shape];
+  const Vec3f p0 = set.positions[triangle.vertices[0]];
+  const Vec3f e1 = set.positions[triangle.vertices[1]] - p0;
+  const Vec3f e2 = set.positions[triangle.vertices[2]] - p0;
+
+  SurfacePoint point;
+  point.material = shape.material;
+  if (shape.first_light >= 0)
+    point.light = shape.first_light + static_cast<int32_t>(primitive - shape.first_triangle);
+  point.p = p0 + (u * e1 + v * e2);
+
+  const Vec3f cross = Cross(e1, e2);
+  Vec3f ng = NormalizeInDouble(cross);
+  if (triangle.flipped) ng = -ng;
+  point.ng = point.ns = ng;
+
+  const Vec3f size1 = Abs(e1), size2 = Abs(e2);
+  const Vec3f reach = size1 + size2;
+  // Rounding of e1 x e2, relative to its length: large for slivers alone.
+  const Vec3f cross_terms = {size1.y * size2.z + size1.z * size2.y,
+                             size1.z * size2.x + size1.x * size2.z,
+                             size1.x * size2.y + size1.y * size2.x};
+  const float tilt = Gamma(3) * Dot(cross_terms, reach) / AbsDot(cross, ng);
+  point.p_error = Gamma(1) * Abs(point.p) + Gamma(5) * reach + tilt * Abs(ng);
+
+  if (shape.uv_offset == TriangleSet::Shape::kNone) {
+    point.uv = {u + v, v};  // pbrt's default: (0,0), (1,0), (1,1).
+    point.dpdu = e1;
+  } else {
+    const Vec2f uv0 = set.uvs[triangle.vertices[0] + shape.uv_offset];
+    const Vec2f uv1 = set.uvs[triangle.vertices[1] + shape.uv_offset];
+    const Vec2f uv2 = set.uvs[triangle.vertices[2] + shape.uv_offset];
+    const Vec2f d1 = {uv1.x - uv0.x, uv1.y - uv0.y}, d2 = {uv2.x - uv0.x, uv2.y - uv0.y};
+    point.uv = {uv0.x + (u * d1.x + v * d2.x), uv0.y + (u * d1.y + v * d2.y)};
+    const float determinant = d1.x * d2.y - d1.y * d2.x;
+    if (determinant != 0) {
+      point.dpdu = (d2.y * e1 - d1.y * e2) / determinant;
+      if (!IsFinite(point.dpdu)) point.dpdu = {};
+    }
+  }
+
+  if (shape.normal_offset != TriangleSet::Shape::kNone) {
+    const Vec3f n0 = set.normals[triangle.vertices[0] + shape.normal_offset];
+    const Vec3f n1 = set.normals[triangle.vertices[1] + shape.normal_offset];
+    const Vec3f n2 = set.normals[triangle.vertices[2] + shape.normal_offset];
+    const Vec3f ns = n0 * (1 - u - v) + (n1 * u + n2 * v);
+    const float length2 = LengthSquared(ns);
+    // Opposite vertex normals may cancel; what is left of unit vectors then has no direction.
+    if (length2 > 1e-8f) {
+      const Vec3f unit = ns / std::sqrt(length2);
+      point.ns = Dot(unit, ng) < 0 ? -unit : unit;
+    }
+  }
+  return point;
+}
+
+}  // namespace strata
