@@ -1,0 +1,13 @@
+#!/bin/bash
+# Installs what the tests need, builds `release`, runs every test.
+#
+#   tests/run.sh [ARGUMENT...]      the arguments go to ctest, e.g. tests/run.sh -R transport
+#
+# Tests on the real scenes look for them in $STRATA_SHARED, else in ../shared beside this checkout,
+# and are skipped where there are none. Results as JUnit XML: build/release/tests.xml.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+deploy/install-packages.sh build test
+deploy/build.sh release -DSTRATA_TESTS=ON -DSTRATA_BENCH=ON
+exec ctest --preset release --parallel "$(nproc)" --output-junit tests.xml "$@"
