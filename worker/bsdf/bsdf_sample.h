@@ -6,10 +6,10 @@ namespace strata {
 
 /// A direction drawn from a BSDF.
 struct BsdfSample {
-  Vec3f wi;          ///< Local, unit.
-  Rgb weight;        ///< f |cos theta_i| / pdf.
-  float pdf = 0;     ///< Per solid angle, over all lobes; the probability of the lobe for delta.
-  float eta = 1;     ///< Index behind over index before the surface when refracted, else 1.
+  Vec3f wi;       ///< Local, unit.
+  Rgb weight;     ///< f |cos theta_i| / pdf.
+  float pdf = 0;  ///< Per solid angle, over all lobes; the probability of the lobe for delta.
+  float eta = 1;  ///< Index behind over index before the surface when refracted, else 1.
   bool delta = false;
   bool transmission = false;
 };

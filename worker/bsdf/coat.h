@@ -1,0 +1,78 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "worker/bsdf/fresnel.h"
+#include "worker/bsdf/ggx.h"
+#include "worker/math/elementary.h"
+
+namespace strata {
+
+/// What the upper border of a coat of one index does on the whole, computed once at load.
+/// Reflectances are those of light from outside.
+class CoatInterface {
+ public:
+  explicit CoatInterface(float eta);
+
+  float eta() const { return eta_; }
+  /// Directional albedo of the GGX reflection of the border, alpha = 1e-3..1.
+  float RoughReflectance(float cos_theta, float alpha) const;
+  /// Cosine-weighted mean of the reflectance over the hemisphere; alpha 0 is the smooth border.
+  float MeanReflectance(float alpha) const;
+  /// Mean path through the layer, in units of its thickness, of diffuse light from below that the
+  /// border sends back.
+  float internal_path() const { return internal_path_; }
+
+ private:
+  static constexpr int kAlphas = 17, kCosines = 33;
+
+  float eta_;
+  float internal_path_;
+  std::array<float, kAlphas> mean_;  ///< At sqrt(alpha) = i / (kAlphas - 1).
+  std::array<std::array<float, kCosines>, kAlphas> reflectance_;  ///< At sqrt(cos) likewise.
+};
+
+/// A dielectric layer over a base: its border above (smooth or GGX) and what it absorbs.
+struct Coat {
+  const CoatInterface* interface = nullptr;  ///< Outlives the BSDF.
+  Ggx ggx;
+  Rgb optical_depth;  ///< Of absorption, across the layer at normal incidence.
+
+  bool IsSmooth() const { return ggx.IsSmooth(); }
+  float Alpha() const { return IsSmooth() ? 0 : std::sqrt(ggx.alpha_x * ggx.alpha_y); }
+};
+
+/// One direction as the coat sees it.
+struct CoatDirection {
+  float reflectance;    ///< Of the border as a whole; the rest enters.
+  float cos_refracted;  ///< > 0.
+};
+
+/// `cos_theta` in [0, 1].
+inline CoatDirection EnterCoat(const Coat& coat, float cos_theta) {
+  const DielectricFresnel fresnel = FresnelDielectric(cos_theta, coat.interface->eta());
+  if (coat.IsSmooth()) return {fresnel.reflectance, fresnel.cos_refracted};
+  return {coat.interface->RoughReflectance(cos_theta, coat.Alpha()), fresnel.cos_refracted};
+}
+
+/// What the layer lets through along a path of `length` times its thickness.
+inline Rgb CoatTransmittance(const Coat& coat, float length) {
+  if (IsBlack(coat.optical_depth)) return Rgb::Gray(1);
+  return {Exp(-coat.optical_depth.r * length), Exp(-coat.optical_depth.g * length),
+          Exp(-coat.optical_depth.b * length)};
+}
+
+/// Reflection off a rough border, as a microfacet BRDF times |cos|; both directions above.
+inline float EvalCoatBorder(const Coat& coat, Vec3f wo, Vec3f wi) {
+  const Vec3f m = Normalize(wo + wi);
+  const float fresnel =
+      FresnelDielectric(std::fmin(AbsDot(wo, m), 1.0f), coat.interface->eta()).reflectance;
+  return fresnel * coat.ggx.D(m) * coat.ggx.VisibilityOver4(wo, wi) * wi.z;
+}
+inline float CoatBorderPdf(const Coat& coat, Vec3f wo, Vec3f wi) {
+  return 0.25f * coat.ggx.VisibleNormalPdfOverCos(wo, Normalize(wo + wi));
+}
+
+}  // namespace strata

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "worker/math/vec.h"
+
+namespace strata {
+
+/// What a smooth border between two dielectrics does to unpolarized light.
+struct DielectricFresnel {
+  float reflectance = 1;    ///< The rest is transmitted.
+  float cos_refracted = 0;  ///< Of the refracted ray, >= 0; 0 when all is reflected.
+};
+
+/// `cos_incident` in [0, 1]; `eta` is the index behind the border over that before it.
+inline DielectricFresnel FresnelDielectric(float cos_incident, float eta) {
+  const float sin2_incident = std::max(0.0f, (1 - cos_incident) * (1 + cos_incident));
+  const float sin2_refracted = sin2_incident / (eta * eta);
+  if (sin2_refracted >= 1) return {};
+  const float cos_refracted = std::sqrt(1 - sin2_refracted);
+  const float parallel =
+      (eta * cos_incident - cos_refracted) / (eta * cos_incident + cos_refracted);
+  const float perpendicular =
+      (cos_incident - eta * cos_refracted) / (cos_incident + eta * cos_refracted);
+  return {0.5f * (parallel * parallel + perpendicular * perpendicular), cos_refracted};
+}
+
+/// Reflectance of a metal of index eta + i k (both relative to the medium before it), one channel
+/// (Born and Wolf, Principles of Optics, 14.2). `cos_incident` in [0, 1].
+inline float FresnelConductor(float cos_incident, float eta, float k) {
+  const float cos2 = cos_incident * cos_incident;
+  const float sin2 = 1 - cos2;
+  const float eta2 = eta * eta, k2 = k * k;
+  const float t0 = eta2 - k2 - sin2;
+  const float a2_plus_b2 = std::sqrt(t0 * t0 + 4 * eta2 * k2);
+  const float a = std::sqrt(std::max(0.0f, 0.5f * (a2_plus_b2 + t0)));
+  const float s0 = a2_plus_b2 + cos2;
+  const float s1 = 2 * a * cos_incident;
+  const float perpendicular = (s0 - s1) / (s0 + s1);
+  const float p0 = cos2 * a2_plus_b2 + sin2 * sin2;
+  const float p1 = s1 * sin2;
+  const float parallel = perpendicular * (p0 - p1) / (p0 + p1);
+  return 0.5f * (perpendicular + parallel);
+}
+
+inline Rgb FresnelConductor(float cos_incident, Rgb eta, Rgb k) {
+  return {FresnelConductor(cos_incident, eta.r, k.r), FresnelConductor(cos_incident, eta.g, k.g),
+          FresnelConductor(cos_incident, eta.b, k.b)};
+}
+
+/// Mirror image of w about m; any length of m that is 1.
+inline Vec3f Reflect(Vec3f w, Vec3f m) { return m * (2 * Dot(w, m)) - w; }
+
+}  // namespace strata
