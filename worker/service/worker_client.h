@@ -60,12 +60,6 @@ class InProcessWorker {
   std::unique_ptr<State> state_;
 };
 
-/// A channel to HOST:PORT with the keepalive and message limits of strata.v1. FAILED_PRECONDITION
-/// when the host is another machine and `insecure` is not set; INVALID_ARGUMENT when it is no
-/// address.
-absl::StatusOr<std::shared_ptr<grpc::Channel>> DialCoordinator(const std::string& server,
-                                                               bool insecure);
-
 /// OK when the worker that writes `file` was connected in the last half minute.
 absl::Status CheckHealthFile(const std::filesystem::path& file);
 
