@@ -1,0 +1,218 @@
+#include "worker/bsdf/material.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace strata {
+namespace {
+
+/// Every texture a material names, in no particular order.
+std::vector<TextureId> TexturesOf(const MaterialDescription& material) {
+  struct Visitor {
+    std::vector<TextureId> operator()(const DiffuseMaterial& m) { return {m.reflectance}; }
+    std::vector<TextureId> operator()(const ConductorMaterial& m) {
+      return {m.eta, m.k, m.reflectance, m.roughness.u, m.roughness.v};
+    }
+    std::vector<TextureId> operator()(const DielectricMaterial& m) {
+      return {m.roughness.u, m.roughness.v};
+    }
+    std::vector<TextureId> operator()(const ThinDielectricMaterial&) { return {}; }
+    std::vector<TextureId> operator()(const CoatedDiffuseMaterial& m) {
+      return {m.reflectance, m.roughness.u, m.roughness.v, m.albedo};
+    }
+    std::vector<TextureId> operator()(const CoatedConductorMaterial& m) {
+      return {m.interface_roughness.u,
+              m.interface_roughness.v,
+              m.conductor_roughness.u,
+              m.conductor_roughness.v,
+              m.eta,
+              m.k,
+              m.reflectance};
+    }
+    std::vector<TextureId> operator()(const DiffuseTransmissionMaterial& m) {
+      return {m.reflectance, m.transmittance};
+    }
+    std::vector<TextureId> operator()(const MixMaterial& m) { return {m.amount}; }
+    std::vector<TextureId> operator()(const InterfaceMaterial&) { return {}; }
+  };
+  return std::visit(Visitor{}, material);
+}
+
+/// The index of a coat, 0 for materials without one.
+float CoatEta(const MaterialDescription& material) {
+  if (const auto* m = std::get_if<CoatedDiffuseMaterial>(&material)) return m->eta;
+  if (const auto* m = std::get_if<CoatedConductorMaterial>(&material)) return m->interface_eta;
+  return 0;
+}
+
+/// Empty when the numbers that are no textures are in their ranges, else what is wrong.
+std::string NumbersProblem(const MaterialDescription& material) {
+  const float coat_eta = CoatEta(material);
+  if (coat_eta != 0 && !(coat_eta >= 1 && coat_eta <= 100)) {
+    return absl::StrCat("the index of a coat must be 1 to 100, not ", coat_eta);
+  }
+  float eta = 1;
+  if (const auto* m = std::get_if<DielectricMaterial>(&material)) eta = m->eta;
+  if (const auto* m = std::get_if<ThinDielectricMaterial>(&material)) eta = m->eta;
+  if (!(eta >= 0.01f && eta <= 100)) {
+    return absl::StrCat("the index of refraction must be 0.01 to 100, not ", eta);
+  }
+  if (const auto* m = std::get_if<CoatedDiffuseMaterial>(&material);
+      m && !(m->thickness >= 0 && std::isfinite(m->thickness))) {
+    return absl::StrCat("the thickness of a coat must be 0 or more, not ", m->thickness);
+  }
+  if (const auto* m = std::get_if<DiffuseTransmissionMaterial>(&material);
+      m && !(m->scale >= 0 && std::isfinite(m->scale))) {
+    return absl::StrCat("the scale of a diffuse transmission must be 0 or more, not ", m->scale);
+  }
+  return "";
+}
+
+/// Where a walk over the mixes has been.
+enum class Visit : uint8_t { kNever, kOpen, kDone };
+
+/// False when the mix at `id` contains itself. Depth first; `seen` is shared between calls.
+bool MixesEnd(const std::vector<MaterialDescription>& materials, MaterialId id,
+              std::vector<Visit>& seen) {
+  const auto* mix = std::get_if<MixMaterial>(&materials[id]);
+  if (!mix || seen[id] == Visit::kDone) return true;
+  if (seen[id] == Visit::kOpen) return false;
+  seen[id] = Visit::kOpen;
+  const bool ends = MixesEnd(materials, mix->a, seen) && MixesEnd(materials, mix->b, seen);
+  seen[id] = Visit::kDone;
+  return ends;
+}
+
+Rgb Clamp01(Rgb c) {
+  return {std::clamp(c.r, 0.0f, 1.0f), std::clamp(c.g, 0.0f, 1.0f), std::clamp(c.b, 0.0f, 1.0f)};
+}
+Rgb AtLeast(Rgb c, float least) {
+  return {std::max(c.r, least), std::max(c.g, least), std::max(c.b, least)};
+}
+
+/// A material's parameters at one point.
+struct Lookup {
+  const TextureSet& textures;
+  const std::map<float, CoatInterface>& coats;
+  Vec2f uv;
+  Vec3f p;
+
+  Rgb Color(TextureId id) const { return textures.Eval(id, uv, p); }
+  Rgb Reflectance(TextureId id) const { return Clamp01(Color(id)); }
+
+  Ggx Microfacets(const Roughness& roughness) const {
+    const auto alpha = [&](TextureId id) {
+      const float value = std::clamp(id == kNoTexture ? 0 : Color(id).r, 0.0f, 1.0f);
+      return roughness.remap ? std::sqrt(value) : value;
+    };
+    const float u = alpha(roughness.u);
+    return Ggx::FromAlpha(u, roughness.v == roughness.u ? u : alpha(roughness.v));
+  }
+
+  struct Metal {
+    Rgb eta, k;
+  };
+  /// By its index, or the metal of eta 1 that has a reflectance at normal incidence.
+  Metal MetalIndex(TextureId eta, TextureId k, TextureId reflectance) const {
+    // An index of 0 is no metal, and 0 / 0 for Fresnel.
+    if (reflectance == kNoTexture) return {AtLeast(Color(eta), 1e-3f), AtLeast(Color(k), 0)};
+    const auto k_of = [](float r) {
+      const float below_one = std::clamp(r, 0.0f, 0.9999f);
+      return 2 * std::sqrt(below_one / (1 - below_one));
+    };
+    const Rgb r = Color(reflectance);
+    return {Rgb::Gray(1), {k_of(r.r), k_of(r.g), k_of(r.b)}};
+  }
+
+  Coat CoatOf(float eta, const Roughness& roughness, float thickness, TextureId albedo) const {
+    // The layer's extinction is 1 per unit; what it scatters goes on as if it were not.
+    const Rgb scattered = albedo == kNoTexture ? Rgb{} : Reflectance(albedo);
+    return {&coats.at(eta), Microfacets(roughness), (Rgb::Gray(1) - scattered) * thickness};
+  }
+
+  Bsdf operator()(const DiffuseMaterial& m) const {
+    return DiffuseBsdf{Reflectance(m.reflectance)};
+  }
+  Bsdf operator()(const ConductorMaterial& m) const {
+    const Metal metal = MetalIndex(m.eta, m.k, m.reflectance);
+    return ConductorBsdf{metal.eta, metal.k, Microfacets(m.roughness)};
+  }
+  Bsdf operator()(const DielectricMaterial& m) const {
+    return DielectricBsdf{m.eta, Microfacets(m.roughness)};
+  }
+  Bsdf operator()(const ThinDielectricMaterial& m) const { return ThinDielectricBsdf{m.eta}; }
+  Bsdf operator()(const CoatedDiffuseMaterial& m) const {
+    return CoatedDiffuseBsdf(CoatOf(m.eta, m.roughness, m.thickness, m.albedo),
+                             Reflectance(m.reflectance));
+  }
+  Bsdf operator()(const CoatedConductorMaterial& m) const {
+    const Metal metal = MetalIndex(m.eta, m.k, m.reflectance);
+    const float inverse_eta = 1 / m.interface_eta;
+    return CoatedConductorBsdf(
+        CoatOf(m.interface_eta, m.interface_roughness, kConductorCoatThickness, kNoTexture),
+        metal.eta * inverse_eta, metal.k * inverse_eta, Microfacets(m.conductor_roughness));
+  }
+  Bsdf operator()(const DiffuseTransmissionMaterial& m) const {
+    return DiffuseTransmissionBsdf{Clamp01(Color(m.reflectance) * m.scale),
+                                   Clamp01(Color(m.transmittance) * m.scale)};
+  }
+  /// Mixes are resolved before; an interface is glass of index 1.
+  Bsdf operator()(const MixMaterial&) const { return ThinDielectricBsdf{1}; }
+  Bsdf operator()(const InterfaceMaterial&) const { return ThinDielectricBsdf{1}; }
+
+  /// pbrt-v4's default; the description of coated conductors has none of its own.
+  static constexpr float kConductorCoatThickness = 0.01f;
+};
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<MaterialSet>> MaterialSet::Build(
+    std::vector<MaterialDescription> materials, const TextureSet& textures) {
+  std::unique_ptr<MaterialSet> set(new MaterialSet(textures));
+  const auto count = static_cast<MaterialId>(materials.size());
+  const auto error = [](MaterialId id, const std::string& problem) {
+    return absl::InvalidArgumentError(absl::StrCat("material ", id, ": ", problem));
+  };
+  const auto exists = [&](MaterialId id) { return id >= 0 && id < count; };
+  for (MaterialId id = 0; id < count; ++id) {
+    const std::string problem = NumbersProblem(materials[id]);
+    if (!problem.empty()) return error(id, problem);
+    const auto* mix = std::get_if<MixMaterial>(&materials[id]);
+    if (mix && !(exists(mix->a) && exists(mix->b))) {
+      return error(id, "the mix names a material that does not exist");
+    }
+  }
+  std::vector<Visit> seen(materials.size(), Visit::kNever);
+  for (MaterialId id = 0; id < count; ++id) {
+    if (!MixesEnd(materials, id, seen)) return error(id, "the mix contains itself");
+    if (const float eta = CoatEta(materials[id]); eta != 0) set->coats_.try_emplace(eta, eta);
+  }
+  set->materials_ = std::move(materials);
+  for (const MaterialDescription& material : set->materials_) {
+    const std::vector<TextureId> used = TexturesOf(material);
+    Entry entry;
+    entry.constant = !std::holds_alternative<MixMaterial>(material) &&
+                     std::all_of(used.begin(), used.end(), [&](TextureId id) {
+                       return id == kNoTexture || textures.IsConstant(id);
+                     });
+    if (entry.constant) entry.bsdf = std::visit(Lookup{textures, set->coats_, {}, {}}, material);
+    set->entries_.push_back(entry);
+  }
+  return set;
+}
+
+Bsdf MaterialSet::EvaluateTextured(MaterialId id, Vec2f uv, Vec3f p, float u_mix) const {
+  while (const auto* mix = std::get_if<MixMaterial>(&materials_[id])) {
+    const float amount = std::clamp(textures_.Eval(mix->amount, uv, p).r, 0.0f, 1.0f);
+    const bool second = u_mix < amount;
+    // The rest of the number serves the next mix.
+    u_mix = second ? u_mix / amount : (u_mix - amount) / (1 - amount);
+    id = second ? mix->b : mix->a;
+  }
+  const Entry& entry = entries_[id];
+  if (entry.constant) return entry.bsdf;
+  return std::visit(Lookup{textures_, coats_, uv, p}, materials_[id]);
+}
+
+}  // namespace strata

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "common/status.h"
+#include "worker/bsdf/bsdf.h"
+#include "worker/geometry/texture.h"
+#include "worker/scene/description.h"
+
+namespace strata {
+
+/// All materials of a scene, ready to be evaluated. Immutable after Build, so thread-safe.
+class MaterialSet {
+ public:
+  /// `textures` outlives the set. INVALID_ARGUMENT with the material's index when a parameter is
+  /// out of its range, an id leads nowhere, or a mix contains itself.
+  static absl::StatusOr<std::unique_ptr<MaterialSet>> Build(
+      std::vector<MaterialDescription> materials, const TextureSet& textures);
+
+  /// How the surface scatters at texture coordinates `uv` and the world-space point `p`. `u_mix` in
+  /// [0, 1) chooses among the materials of a mix. An interface lets everything pass.
+  Bsdf Evaluate(MaterialId id, Vec2f uv, Vec3f p, float u_mix) const {
+    const Entry& entry = entries_[id];
+    return entry.constant ? entry.bsdf : EvaluateTextured(id, uv, p, u_mix);
+  }
+
+ private:
+  /// A material that is the same everywhere is made once.
+  struct Entry {
+    bool constant = false;
+    Bsdf bsdf;
+  };
+
+  explicit MaterialSet(const TextureSet& textures) : textures_(textures) {}
+  Bsdf EvaluateTextured(MaterialId id, Vec2f uv, Vec3f p, float u_mix) const;
+
+  const TextureSet& textures_;
+  std::vector<MaterialDescription> materials_;
+  std::vector<Entry> entries_;
+  std::map<float, CoatInterface> coats_;  ///< By index of refraction.
+};
+
+}  // namespace strata
