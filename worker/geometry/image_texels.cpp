@@ -1,0 +1,52 @@
+#include "worker/geometry/image_texels.h"
+
+#include "worker/math/elementary.h"
+
+namespace strata {
+
+double Decode(double value, ImageEncoding encoding, float gamma) {
+  switch (encoding) {
+    case ImageEncoding::kLinear:
+      return value;
+    case ImageEncoding::kGamma:
+      return Pow(value, static_cast<double>(gamma));
+    case ImageEncoding::kSrgb:
+      return value <= 0.04045 ? value / 12.92 : Pow((value + 0.055) / 1.055, 2.4);
+  }
+  return value;
+}
+
+DecodeTable MakeDecodeTable(ImageEncoding encoding, float gamma) {
+  DecodeTable table;
+  for (int code = 0; code < 256; ++code)
+    table[code] = static_cast<float>(Decode(code / 255.0, encoding, gamma));
+  return table;
+}
+
+ImageTexels ImageTexels::From(const ImageFile& file, ImageEncoding encoding, float gamma) {
+  ImageTexels texels;
+  texels.width = file.width;
+  texels.height = file.height;
+  texels.channels = file.channels < 3 ? 1 : 3;
+  const size_t pixels = static_cast<size_t>(file.width) * file.height;
+  const size_t count = pixels * texels.channels;
+  if (file.eight_bit) {
+    texels.codes.resize(count);
+  } else {
+    texels.values.resize(count);
+  }
+  for (size_t i = 0; i < count; ++i) {
+    const size_t pixel = i / texels.channels;
+    const float value = file.values[pixel * file.channels + i % texels.channels];
+    if (file.eight_bit) {
+      texels.codes[i] = static_cast<uint8_t>(value * 255 + 0.5f);
+    } else if (file.sixteen_bit) {
+      texels.values[i] = static_cast<float>(Decode(value, encoding, gamma));
+    } else {
+      texels.values[i] = value;
+    }
+  }
+  return texels;
+}
+
+}  // namespace strata

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "common/image_file.h"
+#include "worker/scene/description.h"
+
+namespace strata {
+
+/// Linear values of the 256 codes of 8-bit images, correctly rounded.
+using DecodeTable = std::array<float, 256>;
+
+/// `gamma` matters for kGamma alone. sRGB is IEC 61966-2-1.
+DecodeTable MakeDecodeTable(ImageEncoding encoding, float gamma);
+/// One value in [0, 1], as the table would have it.
+double Decode(double value, ImageEncoding encoding, float gamma);
+
+/// The pixels of an image, row 0 at the top, as compact as the file: 8-bit codes stay 8-bit.
+struct ImageTexels {
+  int width = 0, height = 0;
+  int channels = 0;            ///< 1 or 3; alpha is left out.
+  std::vector<uint8_t> codes;  ///< Either these, to be decoded when looked up,
+  std::vector<float> values;   ///< or these, linear.
+
+  /// 16-bit integers are decoded by `encoding` here.
+  static ImageTexels From(const ImageFile& file, ImageEncoding encoding, float gamma);
+
+  Rgb At(int x, int y, const DecodeTable& table) const {
+    const size_t i = (static_cast<size_t>(y) * width + x) * channels;
+    if (!codes.empty()) {
+      const uint8_t* code = &codes[i];
+      if (channels == 1) return Rgb::Gray(table[code[0]]);
+      return {table[code[0]], table[code[1]], table[code[2]]};
+    }
+    const float* value = &values[i];
+    if (channels == 1) return Rgb::Gray(value[0]);
+    return {value[0], value[1], value[2]};
+  }
+};
+
+}  // namespace strata

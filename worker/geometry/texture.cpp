@@ -1,0 +1,277 @@
+#include "worker/geometry/texture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <variant>
+
+#include "worker/geometry/image_texels.h"
+#include "worker/geometry/vec3d.h"
+
+namespace strata {
+namespace {
+
+/// A texture with what its file or table index was resolved to.
+struct ImageNode {
+  uint32_t texels = 0, table = 0;
+  UvMapping mapping;
+  ImageWrap wrap = ImageWrap::kRepeat;
+  float scale = 1;
+  bool invert = false, nearest = false, scalar = false;
+};
+using TextureNode = std::variant<Rgb, ImageNode, ScaleTexture, MixTexture, CheckerboardTexture>;
+
+Vec2f Map(const UvMapping& mapping, Vec2f uv) {
+  return {mapping.su * uv.x + mapping.du, mapping.sv * uv.y + mapping.dv};
+}
+
+/// A coordinate brought to where pixel indices are small integers. NaN becomes the lower end.
+float Reduce(float s, ImageWrap wrap) {
+  if (wrap == ImageWrap::kRepeat) s -= std::floor(s);
+  return s >= -1 ? std::min(s, 2.0f) : -1.0f;
+}
+
+/// The pixel of index `i`, at most one image size outside; -1 for black.
+int WrapIndex(int i, int size, ImageWrap wrap) {
+  if (i >= 0 && i < size) return i;
+  if (wrap == ImageWrap::kRepeat) return i < 0 ? (i % size + size) % size : i % size;
+  return wrap == ImageWrap::kClamp ? std::clamp(i, 0, size - 1) : -1;
+}
+
+Rgb Texel(const ImageTexels& texels, const DecodeTable& table, int x, int y, ImageWrap wrap) {
+  x = WrapIndex(x, texels.width, wrap);
+  y = WrapIndex(y, texels.height, wrap);
+  return x < 0 || y < 0 ? Rgb{} : texels.At(x, y, table);
+}
+
+Rgb LookUp(const ImageTexels& texels, const DecodeTable& table, const ImageNode& node, Vec2f uv) {
+  const Vec2f st = Map(node.mapping, uv);
+  const float x = Reduce(st.x, node.wrap) * texels.width;
+  const float y = Reduce(1 - st.y, node.wrap) * texels.height;
+  if (node.nearest)
+    return Texel(texels, table, static_cast<int>(std::floor(x)), static_cast<int>(std::floor(y)),
+                 node.wrap);
+  // Pixel centers are at half-integers.
+  const float left = std::floor(x - 0.5f), top = std::floor(y - 0.5f);
+  const float fx = x - 0.5f - left, fy = y - 0.5f - top;
+  const int ix = static_cast<int>(left), iy = static_cast<int>(top);
+  const auto texel = [&](int dx, int dy) {
+    return Texel(texels, table, ix + dx, iy + dy, node.wrap);
+  };
+  return (1 - fy) * ((1 - fx) * texel(0, 0) + fx * texel(1, 0)) +
+         fy * ((1 - fx) * texel(0, 1) + fx * texel(1, 1));
+}
+
+Rgb Finish(const ImageNode& node, Rgb value) {
+  if (node.scalar) value = Rgb::Gray(Average(value));
+  value *= node.scale;
+  if (!node.invert) return value;
+  return {std::max(0.0f, 1 - value.r), std::max(0.0f, 1 - value.g), std::max(0.0f, 1 - value.b)};
+}
+
+/// Whether the cell is one of the first texture: the sum of the cell's indices is even.
+bool IsFirstCell(const CheckerboardTexture& checkerboard, Vec2f uv, Vec3f p) {
+  double sum = 0;
+  if (checkerboard.solid) {
+    const Vec3d q = checkerboard.world_to_texture.Point(ToDouble(p));
+    sum = std::floor(q.x) + std::floor(q.y) + std::floor(q.z);
+  } else {
+    const Vec2f st = Map(checkerboard.mapping, uv);
+    sum = std::floor(static_cast<double>(st.x)) + std::floor(static_cast<double>(st.y));
+  }
+  const double half = sum * 0.5;
+  return half == std::floor(half);
+}
+
+std::vector<TextureId> ChildrenOf(const TextureDescription& texture) {
+  if (const auto* scale = std::get_if<ScaleTexture>(&texture))
+    return {scale->texture, scale->scale};
+  if (const auto* mix = std::get_if<MixTexture>(&texture)) return {mix->a, mix->b, mix->amount};
+  if (const auto* checkerboard = std::get_if<CheckerboardTexture>(&texture))
+    return {checkerboard->a, checkerboard->b};
+  return {};
+}
+
+}  // namespace
+
+struct TextureSet::State {
+  std::vector<TextureNode> nodes;
+  std::vector<ImageTexels> images;
+  std::vector<DecodeTable> tables;
+
+  Rgb Eval(TextureId id, Vec2f uv, Vec3f p) const;
+  bool IsConstant(TextureId id) const {
+    return id == kNoTexture || std::holds_alternative<Rgb>(nodes[id]);
+  }
+};
+
+Rgb TextureSet::State::Eval(TextureId id, Vec2f uv, Vec3f p) const {
+  if (id == kNoTexture) return {};
+  const TextureNode& node = nodes[id];
+  if (const auto* constant = std::get_if<Rgb>(&node)) return *constant;
+  if (const auto* image = std::get_if<ImageNode>(&node))
+    return Finish(*image, LookUp(images[image->texels], tables[image->table], *image, uv));
+  if (const auto* scale = std::get_if<ScaleTexture>(&node)) {
+    const Rgb factor = Eval(scale->scale, uv, p);
+    return IsBlack(factor) ? Rgb{} : Eval(scale->texture, uv, p) * factor;
+  }
+  if (const auto* mix = std::get_if<MixTexture>(&node)) {
+    const float amount = Eval(mix->amount, uv, p).r;
+    if (amount == 0) return Eval(mix->a, uv, p);
+    if (amount == 1) return Eval(mix->b, uv, p);
+    return (1 - amount) * Eval(mix->a, uv, p) + amount * Eval(mix->b, uv, p);
+  }
+  const auto& checkerboard = std::get<CheckerboardTexture>(node);
+  return Eval(IsFirstCell(checkerboard, uv, p) ? checkerboard.a : checkerboard.b, uv, p);
+}
+
+namespace {
+
+/// Resolves descriptions one by one, each after those it refers to.
+class TextureLoader {
+ public:
+  TextureLoader(const std::vector<TextureDescription>& textures, const FileSource& source)
+      : textures_(textures), source_(source), costs_(textures.size(), kUnvisited) {}
+
+  /// The order in which every texture follows those it refers to; INVALID_ARGUMENT if there is none
+  /// or if a texture would take too many look-ups.
+  absl::StatusOr<std::vector<TextureId>> Order();
+
+  absl::StatusOr<ImageNode> LoadImage(const ImageTexture& texture, std::vector<ImageTexels>* images,
+                                      std::vector<DecodeTable>* tables);
+
+ private:
+  static constexpr int kUnvisited = 0, kInProgress = -1;
+  /// Nodes evaluated for one look-up, which also bounds the depth of the evaluation.
+  static constexpr int kMaxCost = 1000;
+
+  absl::Status Visit(TextureId id, std::vector<TextureId>* order, int depth);
+
+  const std::vector<TextureDescription>& textures_;
+  const FileSource& source_;
+  std::vector<int> costs_;
+  std::map<std::tuple<std::string, ImageEncoding, float>, uint32_t> images_;
+  std::map<std::pair<ImageEncoding, float>, uint32_t> tables_;
+};
+
+absl::StatusOr<std::vector<TextureId>> TextureLoader::Order() {
+  std::vector<TextureId> order;
+  order.reserve(textures_.size());
+  for (size_t id = 0; id < textures_.size(); ++id)
+    STRATA_RETURN_IF_ERROR(Visit(static_cast<TextureId>(id), &order, 0));
+  return order;
+}
+
+absl::Status TextureLoader::Visit(TextureId id, std::vector<TextureId>* order, int depth) {
+  const auto too_deep = [&] {
+    return absl::InvalidArgumentError(
+        absl::StrCat("texture ", id, " takes more than ", kMaxCost,
+                     " other textures to evaluate, nest fewer of them"));
+  };
+  if (costs_[id] > 0) return absl::OkStatus();
+  if (costs_[id] == kInProgress)
+    return absl::InvalidArgumentError(
+        absl::StrCat("texture ", id, " refers to itself, break the cycle"));
+  if (depth > kMaxCost) return too_deep();
+  costs_[id] = kInProgress;
+  int cost = 1;
+  for (const TextureId child : ChildrenOf(textures_[id])) {
+    if (child == kNoTexture) continue;
+    if (child < 0 || static_cast<size_t>(child) >= textures_.size())
+      return absl::InvalidArgumentError(
+          absl::StrCat("texture ", id, " refers to texture ", child, ", which does not exist"));
+    STRATA_RETURN_IF_ERROR(Visit(child, order, depth + 1));
+    cost += costs_[child];
+    if (cost > kMaxCost) return too_deep();
+  }
+  costs_[id] = cost;
+  order->push_back(id);
+  return absl::OkStatus();
+}
+
+absl::StatusOr<ImageNode> TextureLoader::LoadImage(const ImageTexture& texture,
+                                                   std::vector<ImageTexels>* images,
+                                                   std::vector<DecodeTable>* tables) {
+  ImageNode node;
+  node.mapping = texture.mapping;
+  node.wrap = texture.wrap;
+  node.scale = texture.scale;
+  node.invert = texture.invert;
+  node.nearest = texture.nearest;
+  node.scalar = texture.scalar;
+
+  const float gamma = texture.encoding == ImageEncoding::kGamma ? texture.gamma : 0;
+  const auto [table, new_table] =
+      tables_.try_emplace({texture.encoding, gamma}, static_cast<uint32_t>(tables->size()));
+  if (new_table) tables->push_back(MakeDecodeTable(texture.encoding, gamma));
+  node.table = table->second;
+
+  // Texels are shared whatever the encoding, unless it was applied to them.
+  if (const auto same = images_.find({texture.path, ImageEncoding::kLinear, 0});
+      same != images_.end()) {
+    node.texels = same->second;
+    return node;
+  }
+  if (const auto same = images_.find({texture.path, texture.encoding, gamma});
+      same != images_.end()) {
+    node.texels = same->second;
+    return node;
+  }
+  STRATA_ASSIGN_OR_RETURN(const std::filesystem::path path, source_.Locate(texture.path));
+  absl::StatusOr<ImageFile> file = ReadImageFile(path);
+  if (!file.ok()) return Annotate(file.status(), absl::StrCat("texture image ", texture.path));
+  node.texels = static_cast<uint32_t>(images->size());
+  images->push_back(ImageTexels::From(*file, texture.encoding, gamma));
+  if (file->sixteen_bit) {
+    images_[{texture.path, texture.encoding, gamma}] = node.texels;
+  } else {
+    images_[{texture.path, ImageEncoding::kLinear, 0}] = node.texels;
+  }
+  return node;
+}
+
+}  // namespace
+
+TextureSet::TextureSet() = default;
+TextureSet::~TextureSet() = default;
+
+absl::StatusOr<std::unique_ptr<TextureSet>> TextureSet::Load(
+    const std::vector<TextureDescription>& textures, const FileSource& source) {
+  std::unique_ptr<TextureSet> set(new TextureSet);
+  set->state_ = std::make_unique<State>();
+  State& state = *set->state_;
+  state.nodes.resize(textures.size());
+  TextureLoader loader(textures, source);
+  STRATA_ASSIGN_OR_RETURN(const std::vector<TextureId> order, loader.Order());
+  for (const TextureId id : order) {
+    TextureNode& node = state.nodes[id];
+    const TextureDescription& texture = textures[id];
+    if (const auto* constant = std::get_if<ConstantTexture>(&texture)) {
+      node = constant->value;
+    } else if (const auto* image = std::get_if<ImageTexture>(&texture)) {
+      STRATA_ASSIGN_OR_RETURN(node, loader.LoadImage(*image, &state.images, &state.tables));
+    } else if (const auto* scale = std::get_if<ScaleTexture>(&texture)) {
+      node = *scale;
+    } else if (const auto* mix = std::get_if<MixTexture>(&texture)) {
+      node = *mix;
+    } else {
+      node = std::get<CheckerboardTexture>(texture);
+    }
+    const std::vector<TextureId> children = ChildrenOf(texture);
+    if (!children.empty() &&
+        std::all_of(children.begin(), children.end(),
+                    [&](TextureId c) { return state.IsConstant(c); }) &&
+        !std::holds_alternative<CheckerboardTexture>(texture))
+      node = state.Eval(id, {}, {});
+  }
+  return set;
+}
+
+Rgb TextureSet::Eval(TextureId id, Vec2f uv, Vec3f p) const { return state_->Eval(id, uv, p); }
+
+bool TextureSet::IsConstant(TextureId id) const { return state_->IsConstant(id); }
+
+}  // namespace strata
