@@ -25,6 +25,11 @@ class MaterialSet {
     const Entry& entry = entries_[id];
     return entry.constant ? entry.bsdf : EvaluateTextured(id, uv, p, u_mix);
   }
+  /// The BSDF of a material that is the same everywhere, without a copy; null for others.
+  const Bsdf* Constant(MaterialId id) const {
+    const Entry& entry = entries_[id];
+    return entry.constant ? &entry.bsdf : nullptr;
+  }
 
  private:
   /// A material that is the same everywhere is made once.
