@@ -1,5 +1,6 @@
 #include "worker/sampling/distribution.h"
 
+#include <bit>
 #include <cmath>
 
 namespace strata {
@@ -10,11 +11,12 @@ constexpr uint32_t kPoints = 1u << 24;
 double Clean(double weight) { return weight > 0 && std::isfinite(weight) ? weight : 0; }
 
 /// Shares the points among the cells: one to each cell of positive weight, the others in proportion
-/// by rounding the running sum. Writes weights.size() + 1 starts; returns the sum of the weights.
-double ShareOut(std::span<const double> weights, uint32_t* starts) {
+/// by rounding the running sum. Writes weights.size() + 1 starts.
+template <typename Weight>
+void ShareOut(std::span<const Weight> weights, uint32_t* starts) {
   double total = 0;
   uint32_t positive = 0;
-  for (const double weight : weights) {
+  for (const Weight weight : weights) {
     total += Clean(weight);
     positive += Clean(weight) > 0;
   }
@@ -33,8 +35,9 @@ double ShareOut(std::span<const double> weights, uint32_t* starts) {
     if (passed == positive) sum = uniform ? static_cast<double>(positive) : total;
   }
   starts[weights.size()] = kPoints;
-  return uniform ? 0 : total;
 }
+
+int CellOf(float x, int cells) { return static_cast<int>(x * static_cast<float>(cells)); }
 
 /// Inverts the shares of `cells` cells.
 PiecewiseConstant1D::Point Invert(const uint32_t* starts, int cells, float u) {
@@ -42,15 +45,17 @@ PiecewiseConstant1D::Point Invert(const uint32_t* starts, int cells, float u) {
   const int cell = static_cast<int>(std::upper_bound(starts, starts + cells, point) - starts) - 1;
   const float count = static_cast<float>(starts[cell + 1] - starts[cell]);
   const float fraction = (static_cast<float>(point - starts[cell]) + 0.5f) / count;
-  constexpr float kBelowOne = 1 - 0x1p-24f;
-  const float x = (static_cast<float>(cell) + fraction) / static_cast<float>(cells);
-  return {std::min(x, kBelowOne), cell, std::min(fraction, kBelowOne), count * 0x1p-24f};
+  // Rounding must not move the point to a neighbour, whose density is another.
+  float x = (static_cast<float>(cell) + fraction) / static_cast<float>(cells);
+  while (CellOf(x, cells) > cell) x = std::bit_cast<float>(std::bit_cast<uint32_t>(x) - 1);
+  while (CellOf(x, cells) < cell) x = std::bit_cast<float>(std::bit_cast<uint32_t>(x) + 1);
+  return {x, cell, std::min(fraction, 1 - 0x1p-24f), count * 0x1p-24f};
 }
 
-std::vector<double> RowSums(std::span<const double> weights, int width, int height) {
+std::vector<double> RowSums(std::span<const float> weights, int width, int height) {
   std::vector<double> sums(height, 0.0);
   for (int y = 0; y < height; ++y) {
-    for (const double weight : weights.subspan(static_cast<size_t>(y) * width, width)) {
+    for (const float weight : weights.subspan(static_cast<size_t>(y) * width, width)) {
       sums[y] += Clean(weight);
     }
   }
@@ -68,7 +73,7 @@ PiecewiseConstant1D::Point PiecewiseConstant1D::Sample(float u) const {
   return Invert(starts_.data(), cells(), u);
 }
 
-PiecewiseConstant2D::PiecewiseConstant2D(std::span<const double> weights, int width, int height)
+PiecewiseConstant2D::PiecewiseConstant2D(std::span<const float> weights, int width, int height)
     : rows_(RowSums(weights, width, height)),
       width_(width),
       starts_(static_cast<size_t>(width + 1) * height) {
@@ -89,8 +94,8 @@ Vec2f PiecewiseConstant2D::Sample(Vec2f u, float* pdf) const {
 
 float PiecewiseConstant2D::Pdf(Vec2f point) const {
   const int height = rows_.cells();
-  const int x = std::clamp(static_cast<int>(point.x * static_cast<float>(width_)), 0, width_ - 1);
-  const int y = std::clamp(static_cast<int>(point.y * static_cast<float>(height)), 0, height - 1);
+  const int x = std::clamp(CellOf(point.x, width_), 0, width_ - 1);
+  const int y = std::clamp(CellOf(point.y, height), 0, height - 1);
   const uint32_t* start = &starts_[static_cast<size_t>(y) * (width_ + 1) + x];
   return rows_.Probability(y) * static_cast<float>(height) *
          (static_cast<float>(start[1] - start[0]) * 0x1p-24f) * static_cast<float>(width_);

@@ -49,9 +49,9 @@ class PiecewiseConstant1D {
 class PiecewiseConstant2D {
  public:
   /// One cell.
-  PiecewiseConstant2D() : PiecewiseConstant2D(std::vector<double>{1}, 1, 1) {}
+  PiecewiseConstant2D() : PiecewiseConstant2D(std::vector<float>{1}, 1, 1) {}
   /// `weights` row by row, row 0 at y = 0; width and height as the cells of PiecewiseConstant1D.
-  PiecewiseConstant2D(std::span<const double> weights, int width, int height);
+  PiecewiseConstant2D(std::span<const float> weights, int width, int height);
 
   /// The point's density goes to `pdf`.
   Vec2f Sample(Vec2f u, float* pdf) const;
