@@ -1,0 +1,30 @@
+#include "cli/farm_address.h"
+
+namespace strata {
+
+void AddFarmAddress(CLI::App* command, FarmAddress& address) {
+  const std::string group = "Server";
+  command->add_option("--server", address.server, "The coordinator")
+      ->type_name("HOST:PORT")
+      ->envname("STRATA_SERVER")
+      ->capture_default_str()
+      ->group(group);
+  command->add_flag("--insecure", address.insecure, "Connect without TLS beyond this machine")
+      ->group(group);
+}
+
+absl::StatusOr<ExitStatus> WithFarm(
+    const FarmAddress& address,
+    const std::function<absl::StatusOr<ExitStatus>(FarmClient&)>& work) {
+  absl::StatusOr<std::unique_ptr<FarmClient>> client =
+      FarmClient::Dial(address.server, address.insecure);
+  absl::StatusOr<ExitStatus> exit =
+      client.ok() ? work(**client) : absl::StatusOr<ExitStatus>(client.status());
+  if (!absl::IsUnavailable(exit.status())) return exit;
+  return absl::UnavailableError(
+      absl::StrCat("no coordinator answers at ", address.server, " (", exit.status().message(),
+                   "); start one with 'strata-coordinator --listen ", address.server,
+                   " --state DIR', or name another with --server or STRATA_SERVER"));
+}
+
+}  // namespace strata

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <csignal>
+
+namespace strata {
+
+/// While one lives, the first SIGINT or SIGTERM is only noted, so that a command can end cleanly; a
+/// second one ends the process at once with status 130. At most one at a time.
+class InterruptWatch {
+ public:
+  InterruptWatch();
+  ~InterruptWatch();
+  InterruptWatch(const InterruptWatch&) = delete;
+  InterruptWatch& operator=(const InterruptWatch&) = delete;
+
+  bool interrupted() const;
+
+ private:
+  struct sigaction old_interrupt_ {};
+  struct sigaction old_terminate_ {};
+};
+
+}  // namespace strata

@@ -1,0 +1,225 @@
+#include "cli/job_options.h"
+
+#include "cli/exit_status.h"
+
+#include <cmath>
+#include <limits>
+
+namespace strata {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Refuses what later versions will do, with what to do today.
+absl::Status CheckNothingMissing(const JobOptions& options) {
+  const auto missing = [](const char* option, const char* instead) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(option, " is not there yet in this version; ", instead));
+  };
+  const char* spp = "give the samples per pixel with --spp and read the error from the report";
+  if (options.error) return missing("--error", spp);
+  if (options.rmse) return missing("--rmse", spp);
+  if (options.time) return missing("--time", spp);
+  if (options.allocation && *options.allocation != "uniform") {
+    return missing("--allocation other than uniform", "leave it out, or give uniform");
+  }
+  if (options.kernel) return missing("--kernel", "leave it out");
+  if (options.integrator) return missing("--integrator", "leave it out: jobs are path traced");
+  return absl::OkStatus();
+}
+
+/// `crop` of a frame of `from` pixels as the same part of a frame of `to` pixels, each border at
+/// the pixel that pbrt-v4's fractional crop windows would give.
+PixelRect ScaleCrop(const PixelRect& crop, Resolution from, Resolution to) {
+  const auto scale = [](int x, int from_size, int to_size) {
+    return static_cast<int>((static_cast<int64_t>(x) * to_size + from_size - 1) / from_size);
+  };
+  return {scale(crop.x0, from.width, to.width), scale(crop.y0, from.height, to.height),
+          scale(crop.x1, from.width, to.width), scale(crop.y1, from.height, to.height)};
+}
+
+absl::Status ResolveFrame(const JobOptions& options, const FrameDefaults& defaults, JobSpec* spec) {
+  Resolution resolution{defaults.width, defaults.height};
+  if (options.resolution) {
+    STRATA_ASSIGN_OR_RETURN(resolution, ParseResolution(*options.resolution));
+  }
+  spec->width = resolution.width;
+  spec->height = resolution.height;
+  spec->crop = {0, 0, spec->width, spec->height};
+  if (options.crop) {
+    STRATA_ASSIGN_OR_RETURN(spec->crop, ParseCrop(*options.crop));
+  } else if (defaults.crop) {
+    spec->crop = ScaleCrop(*defaults.crop, {defaults.width, defaults.height}, resolution);
+  }
+  return absl::OkStatus();
+}
+
+/// A positive multiple of the replicates.
+absl::StatusOr<uint32_t> ResolveSpp(const JobOptions& options, uint32_t scene_spp,
+                                    std::vector<std::string>* notes) {
+  const uint64_t asked = options.spp.value_or(scene_spp);
+  constexpr uint64_t kMost = std::numeric_limits<uint32_t>::max() / kReplicates * kReplicates;
+  if (asked < 1 || asked > kMost) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("--spp: ", asked, " is out of range, give 1 to ", kMost));
+  }
+  const uint64_t spp = (asked + kReplicates - 1) / kReplicates * kReplicates;
+  if (spp != asked) {
+    notes->push_back(absl::StrCat(options.spp ? "--spp " : "the scene's ", asked,
+                                  options.spp ? "" : " samples per pixel", " is rounded up to ",
+                                  spp, ": eight replicates share the samples equally"));
+  }
+  return static_cast<uint32_t>(spp);
+}
+
+/// The file's name without its extension; its folder's where the file is just called "scene".
+std::string DefaultName(const fs::path& scene) {
+  const std::string stem = scene.stem().string();
+  const std::string folder = scene.parent_path().filename().string();
+  return stem == "scene" && !folder.empty() ? folder : stem;
+}
+
+}  // namespace
+
+void AddSceneOptions(CLI::App* command, JobOptions& options) {
+  command->add_option("SCENE", options.scene, "The scene: a pbrt-v4 file")->required();
+  command
+      ->add_option("--root", options.root,
+                   "Directory that contains all files of the scene (default: the scene's)")
+      ->type_name("DIR");
+}
+
+void AddJobOptions(CLI::App* command, JobOptions& options) {
+  AddSceneOptions(command, options);
+  const std::string group = "Job options (default: what the scene file says)";
+  const auto add = [&](const char* name, auto& value, const char* what, const char* type) {
+    return command->add_option(name, value, what)->type_name(type)->group(group);
+  };
+  add("--spp", options.spp, "Samples per pixel, rounded up to a multiple of 8", "N")
+      ->check(CLI::NonNegativeNumber);
+  add("--resolution", options.resolution, "Size of the full frame in pixels", "WxH");
+  add("--crop", options.crop, "Render these pixels alone; x1 and y1 excluded", "x0,y0,x1,y1");
+  add("--max-depth", options.max_depth, "Most bounces of a path", "D");
+  add("--sampler", options.sampler, "sobol or independent", "NAME");
+  add("--filter", options.filter, "box, triangle, gaussian or mitchell; radius in pixels",
+      "NAME[:radius]");
+  add("--allocation", options.allocation, "How samples are spread over pixels: uniform", "NAME");
+  add("--tile", options.tile, "Edge of a tile in pixels (default 32); decides no bit", "N");
+  add("--seed", options.seed, "Another seed is another, independent render (default 0)", "S")
+      ->check(CLI::NonNegativeNumber);
+  add("--frame", options.frame, "Frame number; enters the random numbers (default 0)", "F")
+      ->check(CLI::NonNegativeNumber);
+  add("--channels", options.channels, "Further channels: alpha,albedo,normal,depth", "LIST");
+  add("--reproducible", options.reproducible,
+      "Refuse workers that would give other bits (default true)", "BOOL");
+  add("--name", options.name, "What the job is called", "NAME");
+  add("--priority", options.priority, "-100 to 100, higher first (default 0)", "P");
+  for (const auto& [name, value] : {std::pair{"--error", &options.error},
+                                    {"--rmse", &options.rmse},
+                                    {"--time", &options.time},
+                                    {"--kernel", &options.kernel},
+                                    {"--integrator", &options.integrator}}) {
+    command->add_option(name, *value)->group("");
+  }
+}
+
+std::string ScenePath::Located(const std::string& message) const {
+  const std::string file = message.substr(0, message.find(':'));
+  std::error_code ignored;
+  const bool names_file =
+      !file.empty() && fs::path(file).is_relative() && fs::is_regular_file(root / file, ignored);
+  return names_file && !typed_root.empty() ? (fs::path(typed_root) / message).string() : message;
+}
+
+absl::StatusOr<ScenePath> FindScene(const JobOptions& options) {
+  const fs::path typed(options.scene);
+  std::error_code error;
+  const fs::path scene = fs::canonical(typed, error);
+  if (error || !fs::is_regular_file(scene, error)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(options.scene, ": there is no such file, give a pbrt-v4 scene"));
+  }
+  if (!options.root) {
+    return ScenePath{scene.parent_path(), scene.filename().string(), typed.parent_path().string()};
+  }
+  const fs::path root = fs::canonical(*options.root, error);
+  if (error || !fs::is_directory(root, error)) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "--root: ", *options.root, " is no directory, give one that contains the scene"));
+  }
+  const fs::path relative = scene.lexically_relative(root);
+  if (relative.empty() || *relative.begin() == "..") {
+    return absl::InvalidArgumentError(absl::StrCat("--root: ", *options.root, " does not contain ",
+                                                   options.scene, ", give a directory that does"));
+  }
+  return ScenePath{root, relative.generic_string(), *options.root};
+}
+
+absl::StatusOr<LoadedScene> ReadScene(const JobOptions& options) {
+  std::vector<std::string> ignored;
+  STRATA_RETURN_IF_ERROR(ResolveJobSpec(options, FrameDefaults{}, &ignored).status());
+  LoadedScene loaded;
+  STRATA_ASSIGN_OR_RETURN(loaded.path, FindScene(options));
+  absl::StatusOr<PbrtScene> pbrt = ReadPbrt(DirectorySource(loaded.path.root), loaded.path.scene);
+  if (!pbrt.ok()) {
+    return absl::InvalidArgumentError(loaded.path.Located(std::string(pbrt.status().message())));
+  }
+  loaded.pbrt = *std::move(pbrt);
+  return loaded;
+}
+
+absl::StatusOr<JobSpec> ResolveJobSpec(const JobOptions& options, const FrameDefaults& defaults,
+                                       std::vector<std::string>* notes) {
+  STRATA_RETURN_IF_ERROR(CheckNothingMissing(options));
+  JobSpec spec;
+  STRATA_RETURN_IF_ERROR(ResolveFrame(options, defaults, &spec));
+  STRATA_ASSIGN_OR_RETURN(spec.spp, ResolveSpp(options, defaults.spp, notes));
+  spec.name = options.name.value_or(DefaultName(fs::absolute(options.scene)));
+  spec.priority = options.priority.value_or(spec.priority);
+  spec.max_depth = options.max_depth.value_or(defaults.max_depth);
+  spec.sampler = defaults.sampler;
+  if (options.sampler) {
+    const absl::StatusOr<SamplerKind> kind = ParseSamplerKind(*options.sampler);
+    if (!kind.ok()) return Annotate(kind.status(), "--sampler");
+    spec.sampler = *kind;
+  }
+  spec.filter = defaults.filter;
+  if (options.filter) {
+    STRATA_ASSIGN_OR_RETURN(spec.filter, ParseFilter(*options.filter));
+  }
+  if (options.channels) {
+    STRATA_ASSIGN_OR_RETURN(spec.channels, ParseChannels(*options.channels));
+  }
+  spec.tile = options.tile.value_or(spec.tile);
+  spec.seed = options.seed.value_or(spec.seed);
+  spec.frame = options.frame.value_or(spec.frame);
+  spec.reproducible = options.reproducible.value_or(spec.reproducible);
+  return spec;
+}
+
+absl::StatusOr<ResolvedJob> ResolveJob(const JobOptions& options, const LoadedScene& loaded) {
+  ResolvedJob job;
+  job.root = loaded.path.root;
+  STRATA_ASSIGN_OR_RETURN(job.spec,
+                          ResolveJobSpec(options, loaded.pbrt.scene.defaults, &job.notes));
+  for (const SceneWarning& warning : loaded.pbrt.warnings) {
+    job.warnings.push_back(WarningLine(loaded.path, warning));
+  }
+  absl::StatusOr<Bundle> bundle =
+      MakeBundle(DirectorySource(job.root), loaded.path.scene, loaded.pbrt.files);
+  if (!bundle.ok()) return AsBadInput(bundle.status());
+  job.spec.bundle = *std::move(bundle);
+  STRATA_RETURN_IF_ERROR(ValidateJobSpec(job.spec));
+  return job;
+}
+
+absl::StatusOr<ResolvedJob> ResolveJob(const JobOptions& options) {
+  STRATA_ASSIGN_OR_RETURN(const LoadedScene loaded, ReadScene(options));
+  return ResolveJob(options, loaded);
+}
+
+std::string WarningLine(const ScenePath& path, const SceneWarning& warning) {
+  return path.Located(absl::StrCat(warning.where.ToString(), ": warning: ", warning.text));
+}
+
+}  // namespace strata

@@ -1,0 +1,74 @@
+#include <absl/strings/numbers.h>
+#include <absl/strings/str_split.h>
+
+#include <cmath>
+
+#include "cli/job_options.h"
+
+namespace strata {
+namespace {
+
+absl::Status Wanted(const std::string& option, const std::string& given,
+                    const std::string& wanted) {
+  return absl::InvalidArgumentError(
+      absl::StrCat("--", option, ": '", given, "' is not understood, give ", wanted));
+}
+
+}  // namespace
+
+absl::StatusOr<Resolution> ParseResolution(const std::string& text) {
+  const std::vector<std::string> parts = absl::StrSplit(text, 'x');
+  Resolution resolution;
+  if (parts.size() != 2 || !absl::SimpleAtoi(parts[0], &resolution.width) ||
+      !absl::SimpleAtoi(parts[1], &resolution.height)) {
+    return Wanted("resolution", text, "WIDTHxHEIGHT in pixels, such as 1280x720");
+  }
+  return resolution;
+}
+
+absl::StatusOr<PixelRect> ParseCrop(const std::string& text) {
+  const std::vector<std::string> parts = absl::StrSplit(text, ',');
+  PixelRect crop;
+  if (parts.size() != 4 || !absl::SimpleAtoi(parts[0], &crop.x0) ||
+      !absl::SimpleAtoi(parts[1], &crop.y0) || !absl::SimpleAtoi(parts[2], &crop.x1) ||
+      !absl::SimpleAtoi(parts[3], &crop.y1)) {
+    return Wanted("crop", text, "x0,y0,x1,y1 in pixels (x1 and y1 excluded), such as 0,0,64,64");
+  }
+  return crop;
+}
+
+absl::StatusOr<FilterSpec> ParseFilter(const std::string& text) {
+  const std::vector<std::string> parts = absl::StrSplit(text, absl::MaxSplits(':', 1));
+  const absl::StatusOr<FilterKind> kind = ParseFilterKind(parts[0]);
+  if (!kind.ok()) return Annotate(kind.status(), "--filter");
+  FilterSpec filter = DefaultFilter(*kind);
+  if (parts.size() == 1) return filter;
+  const std::vector<std::string> radii = absl::StrSplit(parts[1], ',');
+  if (radii.size() > 2 || !absl::SimpleAtod(radii.front(), &filter.radius_x) ||
+      !absl::SimpleAtod(radii.back(), &filter.radius_y) || !std::isfinite(filter.radius_x) ||
+      !std::isfinite(filter.radius_y)) {
+    return Wanted("filter", text, "NAME or NAME:RADIUS in pixels, such as gaussian:1.5");
+  }
+  return filter;
+}
+
+absl::StatusOr<ExtraChannels> ParseChannels(const std::string& text) {
+  ExtraChannels channels;
+  const std::vector<std::string> names = absl::StrSplit(text, ',');
+  for (const std::string& name : names) {
+    if (name == "alpha") {
+      channels.alpha = true;
+    } else if (name == "albedo") {
+      channels.albedo = true;
+    } else if (name == "normal") {
+      channels.normal = true;
+    } else if (name == "depth") {
+      channels.depth = true;
+    } else {
+      return Wanted("channels", name, "names out of alpha,albedo,normal,depth");
+    }
+  }
+  return channels;
+}
+
+}  // namespace strata
