@@ -13,11 +13,10 @@
 #include "common/status.h"
 #include "coordinator/file_store.h"
 #include "coordinator/job_store.h"
+#include "coordinator/steady_time.h"
 #include "coordinator/worker_link.h"
 
 namespace strata {
-
-using SteadyTime = std::chrono::steady_clock::time_point;
 
 struct FarmOptions {
   std::filesystem::path state_dir;  ///< Films and uploaded files live here.

@@ -2,7 +2,6 @@
 
 #include <absl/container/flat_hash_map.h>
 
-#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -12,10 +11,9 @@
 #include <vector>
 
 #include "common/unit.h"
+#include "coordinator/steady_time.h"
 
 namespace strata {
-
-using SteadyTime = std::chrono::steady_clock::time_point;
 
 /// Units given to a worker.
 struct LeaseRecord {

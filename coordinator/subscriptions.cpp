@@ -30,7 +30,7 @@ bool Subscriptions::Any(const JobId& job) const {
   });
 }
 
-void Subscriptions::Deliver(const JobId& job, const std::function<JobStatus()>& status) {
+void Subscriptions::Deliver(const JobId& job, const StatusSource& status) {
   std::vector<std::shared_ptr<Subscriber>> due;
   {
     MutexLock lock(mutex_);
@@ -48,20 +48,20 @@ void Subscriptions::Deliver(const JobId& job, const std::function<JobStatus()>& 
 }
 
 void Subscriptions::DeliverTo(const std::shared_ptr<Subscriber>& subscriber,
-                              const std::function<JobStatus()>& status) {
+                              const StatusSource& status) {
   for (bool more = true; more;) {
-    const JobStatus current = status();
+    const std::optional<JobStatus> current = status();
     {
       MutexLock lock(mutex_);
       subscriber->again = false;
-      if (subscriber->ended) {
+      if (subscriber->ended || !current) {
         subscriber->calling = false;
         return;
       }
     }
-    subscriber->on_change(current);
+    subscriber->on_change(*current);
     MutexLock lock(mutex_);
-    subscriber->ended |= IsFinal(current.state);
+    subscriber->ended |= IsFinal(current->state);
     more = subscriber->again && !subscriber->ended;
     subscriber->calling = more;
   }

@@ -4,6 +4,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 
 #include "common/report.h"
 #include "common/sync.h"
@@ -15,6 +16,8 @@ namespace strata {
 class Subscriptions {
  public:
   using Callback = std::function<void(const JobStatus&)>;
+  /// The job as it stands; nothing when it is no more.
+  using StatusSource = std::function<std::optional<JobStatus>()>;
 
   uint64_t Add(const JobId& job, Callback on_change) STRATA_EXCLUDES(mutex_);
   void Remove(uint64_t handle) STRATA_EXCLUDES(mutex_);
@@ -23,7 +26,7 @@ class Subscriptions {
   /// Calls the job's subscribers with what `status` returns, asked anew for each call so that no
   /// older status follows a newer one. Who is being called by another thread is called once more
   /// by that thread.
-  void Deliver(const JobId& job, const std::function<JobStatus()>& status) STRATA_EXCLUDES(mutex_);
+  void Deliver(const JobId& job, const StatusSource& status) STRATA_EXCLUDES(mutex_);
 
  private:
   struct Subscriber {
@@ -31,8 +34,8 @@ class Subscriptions {
     Callback on_change;
     bool calling = false, again = false, ended = false;
   };
-  void DeliverTo(const std::shared_ptr<Subscriber>& subscriber,
-                 const std::function<JobStatus()>& status) STRATA_EXCLUDES(mutex_);
+  void DeliverTo(const std::shared_ptr<Subscriber>& subscriber, const StatusSource& status)
+      STRATA_EXCLUDES(mutex_);
 
   mutable Mutex mutex_;
   uint64_t last_handle_ STRATA_GUARDED_BY(mutex_) = 0;
