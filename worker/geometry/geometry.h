@@ -97,10 +97,14 @@ class Geometry {
     Vec3f min, max;
   };
   Bounds bounds() const { return bounds_; }
+  /// Triangles held, those of a shared object once.
   uint64_t triangle_count() const { return triangle_count_; }
 
- private:
+  /// What is behind, for benches that trace Embree's scene themselves: worker/geometry/state.h.
   struct State;
+  const State& state() const { return *state_; }
+
+ private:
   Geometry();
   std::unique_ptr<State> state_;
   std::vector<Emitter> emitters_;
