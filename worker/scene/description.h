@@ -51,7 +51,7 @@ struct ImageTexture {
   ImageEncoding encoding = ImageEncoding::kSrgb;
   float gamma = 2.2f;        ///< For kGamma.
   float scale = 1;
-  bool invert = false;       ///< 1 - value, before `scale` (as pbrt: clamped at 0).
+  bool invert = false;       ///< 1 - value, after `scale` (as pbrt: clamped at 0).
   bool nearest = false;      ///< No filtering ("point"); bilinear otherwise.
   bool scalar = false;       ///< A float texture: the mean of the channels in all of r, g, b.
 };
