@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/digest.h"
@@ -23,6 +24,14 @@ struct Bundle {
   std::vector<BundleFile> files;  ///< Sorted by path, no path twice.
   bool operator==(const Bundle&) const = default;
 };
+
+/// True for a path a bundle may hold: relative, '/' separated, without empty, "." or ".." parts and
+/// control characters.
+bool IsBundlePath(std::string_view path);
+
+/// The bundle path of `name`, which is relative to the bundle's `directory` ("" for its root).
+/// INVALID_ARGUMENT when it is absolute or leads outside the root.
+absl::StatusOr<std::string> ResolveBundlePath(std::string_view directory, std::string_view name);
 
 /// INVALID_ARGUMENT with the offending path when the rules above are broken.
 absl::Status ValidateBundle(const Bundle& bundle);

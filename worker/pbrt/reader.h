@@ -13,7 +13,8 @@ namespace strata {
 struct PbrtScene {
   SceneDescription scene;
   std::vector<SceneWarning> warnings;  ///< In file order; repeated ones are told once with a count.
-  std::vector<std::string> files;      ///< Bundle paths of all files the scene needs, sorted, itself included.
+  std::vector<std::string>
+      files;  ///< Bundle paths of all files the scene needs, sorted, itself included.
 };
 
 /// Reads the pbrt-v4 file `scene_path` (a bundle path) and all it includes. PLY meshes are loaded;

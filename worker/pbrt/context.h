@@ -1,0 +1,64 @@
+#pragma once
+
+#include <absl/container/flat_hash_map.h>
+
+#include <filesystem>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/status.h"
+#include "worker/scene/description.h"
+#include "worker/scene/file_source.h"
+
+namespace strata {
+
+/// Gathers what a person should know of a scene, each text once with the place it is first seen.
+class WarningList {
+ public:
+  void Add(const SourceLocation& where, std::string_view text);
+  /// In the order of their first appearance; those seen more often say how often.
+  std::vector<SceneWarning> Take();
+
+ private:
+  struct Entry {
+    SceneWarning warning;
+    int count = 0;
+  };
+  std::vector<Entry> entries_;
+  absl::flat_hash_map<std::string, size_t> index_;
+};
+
+/// What all parts of the pbrt reader share while one scene is read.
+class ReadContext {
+ public:
+  /// `scene_path` is the bundle path of the main file; other files are named relative to its
+  /// folder.
+  ReadContext(const FileSource& source, const std::string& scene_path);
+
+  /// The bundle path of a file the scene names. The file becomes one the scene needs. Errors are
+  /// located at `where` and say whether it is missing or outside the root.
+  absl::StatusOr<std::string> AddFile(std::string_view name, const SourceLocation& where);
+  /// A local path of a file that AddFile has named.
+  absl::StatusOr<std::filesystem::path> Locate(const std::string& bundle_path,
+                                               const SourceLocation& where) const;
+  /// All of a text file that AddFile has named; at most 4 GiB.
+  absl::StatusOr<std::string> ReadText(const std::string& bundle_path,
+                                       const SourceLocation& where) const;
+
+  void Warn(const SourceLocation& where, std::string_view text) { warnings.Add(where, text); }
+
+  SceneDescription scene;
+  WarningList warnings;
+  std::set<std::string> files;  ///< Bundle paths.
+
+ private:
+  const FileSource& source_;
+  const std::string directory_;
+};
+
+/// All bytes of a file of at most `limit` bytes.
+absl::StatusOr<std::string> ReadWholeFile(const std::filesystem::path& path, uint64_t limit);
+
+}  // namespace strata

@@ -1,0 +1,146 @@
+#pragma once
+
+#include <absl/container/flat_hash_map.h>
+
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "worker/pbrt/context.h"
+#include "worker/pbrt/parameters.h"
+#include "worker/pbrt/values.h"
+
+// The things a pbrt file describes, each read from the parameters of its directive. Defaults are
+// pbrt-v4's. All return located errors and add warnings to the context.
+
+namespace strata {
+
+// ---- textures ----
+
+/// Adds textures to the scene and knows the names under which the file defines them.
+class TextureTable {
+ public:
+  explicit TextureTable(ReadContext& context) : context_(context) {}
+
+  /// Texture "name" "float|spectrum" "class".
+  absl::Status Define(const std::string& name, const std::string& value_type,
+                      const std::string& texture_class, const Transform& world_from_texture,
+                      std::string_view color_space, ParameterReader& parameters);
+
+  /// The texture of a float parameter, which may name one; `fallback` none gives kNoTexture.
+  TextureId Float(ParameterReader& parameters, std::string_view name,
+                  std::optional<float> fallback);
+  /// The texture of a colour parameter, which may name one.
+  TextureId Color(ParameterReader& parameters, std::string_view name, std::optional<Rgb> fallback,
+                  SpectrumUse use, std::string_view color_space);
+  /// Where the parameter is a constant, its value.
+  std::optional<Rgb> ConstantValue(TextureId id) const;
+
+ private:
+  TextureId Add(TextureDescription texture, int depth);
+  TextureId Named(ParameterReader& parameters, const Parameter& parameter,
+                  const absl::flat_hash_map<std::string, TextureId>& names, std::string_view kind);
+  /// One more than the deepest of the inputs; an error beyond what evaluation may recurse.
+  int DepthOver(ParameterReader& parameters, std::initializer_list<TextureId> inputs);
+  std::optional<ImageTexture> ReadImage(ParameterReader& parameters, bool scalar);
+
+  ReadContext& context_;
+  absl::flat_hash_map<std::string, TextureId> floats_, spectra_;
+  std::vector<int> depths_;  ///< Of each texture of the scene; 1 for leaves.
+};
+
+// ---- materials ----
+
+/// Adds materials to the scene. A name may be used before its definition, as in pbrt.
+class MaterialTable {
+ public:
+  MaterialTable(ReadContext& context, TextureTable& textures);
+
+  /// Material "type"; the id of the new material.
+  absl::StatusOr<MaterialId> Add(const std::string& type, std::string_view color_space,
+                                 ParameterReader& parameters);
+  /// MakeNamedMaterial "name".
+  absl::Status Define(const std::string& name, std::string_view color_space,
+                      ParameterReader& parameters);
+  /// NamedMaterial "name".
+  MaterialId Use(const std::string& name, const SourceLocation& where);
+  /// Errors for names that were used but never defined, and mixes that contain themselves.
+  absl::Status CheckAllDefined() const;
+
+ private:
+  struct Named {
+    MaterialId id = 0;
+    SourceLocation first_use;
+    bool defined = false;
+  };
+
+  absl::StatusOr<MaterialDescription> Read(const std::string& type, std::string_view color_space,
+                                           ParameterReader& parameters);
+  Roughness ReadRoughness(ParameterReader& parameters, const std::string& prefix, bool remap);
+  float ReadEta(ParameterReader& parameters, std::string_view name);
+  void ReadConductor(ParameterReader& parameters, const std::string& prefix,
+                     std::string_view color_space, TextureId& eta, TextureId& k,
+                     TextureId& reflectance);
+  CoatedDiffuseMaterial ReadCoatedDiffuse(ParameterReader& parameters,
+                                          std::string_view color_space);
+  CoatedConductorMaterial ReadCoatedConductor(ParameterReader& parameters,
+                                              std::string_view color_space);
+  MixMaterial ReadMix(ParameterReader& parameters);
+  void WarnOfLayers(ParameterReader& parameters);
+
+  ReadContext& context_;
+  TextureTable& textures_;
+  std::map<std::string, Named> named_;
+  std::vector<SourceLocation> where_;  ///< Of each material of the scene.
+};
+
+// ---- lights ----
+
+/// LightSource "type".
+absl::Status ReadLight(const std::string& type, const Transform& world_from_light,
+                       std::string_view color_space, ParameterReader& parameters,
+                       ReadContext& context);
+
+/// AreaLightSource "diffuse", whose radiance may depend on the shape it is given to.
+struct AreaLight {
+  Rgb radiance;
+  bool two_sided = false;
+  std::optional<double> power;  ///< Of each shape, instead of the level of `radiance`.
+  SourceLocation where;
+};
+absl::StatusOr<AreaLight> ReadAreaLight(const std::string& type, std::string_view color_space,
+                                        ParameterReader& parameters, ReadContext& context);
+
+// ---- shapes ----
+
+/// Shape "type": its geometry. None when it has nothing to show: no faces (with a warning), or cut
+/// away by an "alpha" of 0 and not `emissive`.
+absl::StatusOr<std::optional<ShapeGeometry>> ReadShape(const std::string& type,
+                                                       ParameterReader& parameters, bool emissive,
+                                                       TextureTable& textures,
+                                                       ReadContext& context);
+
+/// Errors for a transform that is singular or takes the shape beyond what floats hold.
+absl::Status CheckPlacement(const ShapeGeometry& geometry, const Transform& to_world,
+                            const SourceLocation& where);
+
+/// The area of a shape in world space. Errors for curved shapes under a transform that is no
+/// similarity.
+absl::StatusOr<double> WorldArea(const ShapeGeometry& geometry, const Transform& to_world,
+                                 const SourceLocation& where);
+
+// ---- camera, film and the other directives before WorldBegin ----
+
+absl::Status ReadCamera(const std::string& type, const Transform& camera_from_world,
+                        ParameterReader& parameters, ReadContext& context);
+absl::Status ReadFilm(const std::string& type, ParameterReader& parameters, ReadContext& context);
+absl::Status ReadPixelFilter(const std::string& type, ParameterReader& parameters,
+                             ReadContext& context);
+absl::Status ReadSampler(const std::string& type, ParameterReader& parameters,
+                         ReadContext& context);
+absl::Status ReadIntegrator(const std::string& type, ParameterReader& parameters,
+                            ReadContext& context);
+
+}  // namespace strata

@@ -1,0 +1,220 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "worker/pbrt/entities.h"
+
+// Camera, film, filter, sampler and integrator.
+
+namespace strata {
+namespace {
+
+constexpr int kMaxResolution = 65536;
+
+bool IsOneOf(std::string_view name, std::initializer_list<std::string_view> names) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+/// The crop of the film in pixels; x0, x1, y0, y1 as pbrt orders them.
+void ReadCrop(ParameterReader& parameters, FrameDefaults& frame) {
+  const std::vector<double> window = parameters.Floats("cropwindow");
+  const std::vector<int> bounds = parameters.Integers("pixelbounds");
+  PixelRect crop{0, 0, frame.width, frame.height};
+  if (!bounds.empty()) {
+    if (bounds.size() != 4) {
+      parameters.Fail(parameters.where(), "\"integer pixelbounds\" wants x0 x1 y0 y1");
+      return;
+    }
+    crop = {std::max(bounds[0], 0), std::max(bounds[2], 0), std::min(bounds[1], frame.width),
+            std::min(bounds[3], frame.height)};
+  } else if (!window.empty()) {
+    if (window.size() != 4) {
+      parameters.Fail(parameters.where(), "\"float cropwindow\" wants x0 x1 y0 y1");
+      return;
+    }
+    const auto pixel = [](double fraction, int size) {
+      return static_cast<int>(std::ceil(std::clamp(fraction, 0.0, 1.0) * size));
+    };
+    crop = {pixel(window[0], frame.width), pixel(window[2], frame.height),
+            pixel(window[1], frame.width), pixel(window[3], frame.height)};
+  } else {
+    return;
+  }
+  if (crop.x0 >= crop.x1 || crop.y0 >= crop.y1) {
+    parameters.Fail(parameters.where(), "the film's crop holds no pixels");
+    return;
+  }
+  frame.crop = crop;
+}
+
+/// pbrt models how a sensor turns radiance into values; here values are radiance.
+void WarnOfSensor(ParameterReader& parameters, ReadContext& context) {
+  const std::string sensor = parameters.String("sensor", "cie1931");
+  const double exposure = parameters.Float("exposuretime", 1) * parameters.Float("iso", 100) / 100;
+  const double white_balance = parameters.Float("whitebalance", 0);
+  if (sensor != "cie1931" || exposure != 1 || white_balance != 0) {
+    context.Warn(parameters.where(),
+                 "the film's sensor, exposure and white balance are ignored; the image holds "
+                 "radiance in scene units");
+  }
+  if (parameters.Has("maxcomponentvalue")) {
+    context.Warn(parameters.Take("maxcomponentvalue")->where,
+                 "\"maxcomponentvalue\" is ignored; clamping samples would bias the image");
+  }
+}
+
+}  // namespace
+
+absl::Status ReadCamera(const std::string& type, const Transform& camera_from_world,
+                        ParameterReader& parameters, ReadContext& context) {
+  const SourceLocation& where = parameters.where();
+  if (type != "perspective") {
+    return ErrorAt(where, StrCat("Camera \"", type, "\" is not supported; use perspective"));
+  }
+  CameraDescription camera;
+  const std::optional<Transform> inverse = camera_from_world.Inverse();
+  if (!inverse) return ErrorAt(where, "the camera's transform cannot be inverted");
+  camera.camera_to_world = *inverse;
+  camera.fov = static_cast<float>(parameters.Float("fov", 90));
+  if (!(camera.fov > 0 && camera.fov < 180)) {
+    parameters.Fail(where, "\"float fov\" must be more than 0 and less than 180 degrees");
+  }
+  camera.lens_radius = static_cast<float>(parameters.Float("lensradius", 0));
+  camera.focal_distance = static_cast<float>(parameters.Float("focaldistance", 1e6));
+  if (camera.lens_radius < 0) parameters.Fail(where, "\"float lensradius\" must not be negative");
+  if (!(camera.focal_distance > 0)) {
+    parameters.Fail(where, "\"float focaldistance\" must be more than 0");
+  }
+  if (parameters.Has("frameaspectratio")) {
+    camera.frame_aspect = static_cast<float>(parameters.Float("frameaspectratio", 1));
+    if (!(*camera.frame_aspect > 0)) {
+      parameters.Fail(where, "\"float frameaspectratio\" must be more than 0");
+    }
+  }
+  if (parameters.Has("screenwindow")) {
+    const std::vector<double> window = parameters.Floats("screenwindow");
+    if (window.size() != 4 || !(window[0] < window[1]) || !(window[2] < window[3])) {
+      parameters.Fail(where, "\"float screenwindow\" wants x0 < x1 and y0 < y1");
+    } else {
+      camera.screen_window = std::array<float, 4>{};
+      std::transform(window.begin(), window.end(), camera.screen_window->begin(),
+                     [](double value) { return static_cast<float>(value); });
+    }
+  }
+  // Nothing moves, so that the shutter changes nothing.
+  parameters.Float("shutteropen", 0);
+  parameters.Float("shutterclose", 1);
+  context.scene.camera = camera;
+  return parameters.Finish(context.warnings);
+}
+
+absl::Status ReadFilm(const std::string& type, ParameterReader& parameters, ReadContext& context) {
+  if (!IsOneOf(type, {"rgb", "gbuffer", "spectral"})) {
+    return ErrorAt(parameters.where(), StrCat("unknown Film \"", type, "\"; use rgb"));
+  }
+  if (type != "rgb") {
+    context.Warn(parameters.where(), StrCat("Film \"", type,
+                                            "\" is read as rgb; ask for more channels by job "
+                                            "options"));
+    parameters.IgnoreAll();
+  }
+  FrameDefaults& frame = context.scene.defaults;
+  frame.width = parameters.Integer("xresolution", 1280);
+  frame.height = parameters.Integer("yresolution", 720);
+  if (std::min(frame.width, frame.height) < 1 ||
+      std::max(frame.width, frame.height) > kMaxResolution) {
+    parameters.Fail(parameters.where(), StrCat("the film has ", frame.width, " x ", frame.height,
+                                               " pixels; each must be 1 to ", kMaxResolution));
+    frame.width = frame.height = 1;
+  }
+  ReadCrop(parameters, frame);
+  WarnOfSensor(parameters, context);
+  parameters.String("filename", "");  // the output is named on the command line
+  parameters.Float("diagonal", 35);   // of realistic cameras alone
+  parameters.Bool("savefp16", true);
+  return parameters.Finish(context.warnings);
+}
+
+absl::Status ReadPixelFilter(const std::string& type, ParameterReader& parameters,
+                             ReadContext& context) {
+  std::string known = type;
+  if (type == "sinc") {
+    context.Warn(parameters.where(), "PixelFilter \"sinc\" is not supported; mitchell is used");
+    parameters.IgnoreAll();
+    known = "mitchell";
+  }
+  const absl::StatusOr<FilterKind> kind = ParseFilterKind(known);
+  if (!kind.ok()) {
+    return ErrorAt(parameters.where(), StrCat("unknown PixelFilter \"", type,
+                                              "\"; use box, triangle, gaussian or mitchell"));
+  }
+  FilterSpec filter = DefaultFilter(*kind);
+  if (known == type) {
+    filter.radius_x = parameters.Float("xradius", filter.radius_x);
+    filter.radius_y = parameters.Float("yradius", filter.radius_y);
+    if (*kind == FilterKind::kGaussian) filter.sigma = parameters.Float("sigma", filter.sigma);
+    if (*kind == FilterKind::kMitchell) {
+      filter.b = parameters.Float("B", filter.b);
+      filter.c = parameters.Float("C", filter.c);
+    }
+  }
+  if (!(std::min({filter.radius_x, filter.radius_y, filter.sigma}) > 0)) {
+    parameters.Fail(parameters.where(), "the filter's radius and sigma must be more than 0");
+  }
+  context.scene.defaults.filter = filter;
+  return parameters.Finish(context.warnings);
+}
+
+absl::Status ReadSampler(const std::string& type, ParameterReader& parameters,
+                         ReadContext& context) {
+  FrameDefaults& frame = context.scene.defaults;
+  int samples = 16;
+  if (type == "stratified") {
+    const double grid =
+        static_cast<double>(parameters.Integer("xsamples", 4)) * parameters.Integer("ysamples", 4);
+    samples = grid >= 1 && grid <= 1e9 ? static_cast<int>(grid) : 0;
+    parameters.Bool("jitter", true);
+  } else {
+    samples = parameters.Integer("pixelsamples", 16);
+  }
+  if (samples < 1) {
+    parameters.Fail(parameters.where(), "the number of samples per pixel must be 1 to 1e9");
+  }
+  frame.spp = static_cast<uint32_t>(std::max(samples, 1));
+  frame.sampler = type == "independent" ? SamplerKind::kIndependent : SamplerKind::kSobol;
+  if (!IsOneOf(type, {"independent", "sobol", "paddedsobol", "zsobol"})) {
+    if (!IsOneOf(type, {"halton", "pmj02bn", "stratified"})) {
+      return ErrorAt(parameters.where(), StrCat("unknown Sampler \"", type, "\"; use sobol"));
+    }
+    context.Warn(parameters.where(),
+                 StrCat("Sampler \"", type, "\" is not supported; sobol is used"));
+  }
+  if (parameters.String("randomization", "fastowen") == "none") {
+    context.Warn(parameters.where(),
+                 "the sampler is always randomized; an error cannot be "
+                 "estimated otherwise");
+  }
+  parameters.Integer("seed", 0);  // the job's own seed counts
+  return parameters.Finish(context.warnings);
+}
+
+absl::Status ReadIntegrator(const std::string& type, ParameterReader& parameters,
+                            ReadContext& context) {
+  const int max_depth = parameters.Integer("maxdepth", 5);
+  if (max_depth < 0) {
+    parameters.Fail(parameters.where(), "\"integer maxdepth\" must not be negative");
+  }
+  context.scene.defaults.max_depth = std::clamp(max_depth, 0, 100000);
+  if (!IsOneOf(type, {"path", "volpath"})) {
+    context.Warn(parameters.where(),
+                 StrCat("Integrator \"", type, "\" is not supported; path is used"));
+    parameters.IgnoreAll();
+  }
+  if (parameters.Bool("regularize", false)) {
+    context.Warn(parameters.where(), "\"regularize\" is ignored; it would bias the image");
+  }
+  parameters.String("lightsampler", "");  // changes the noise alone
+  return parameters.Finish(context.warnings);
+}
+
+}  // namespace strata

@@ -1,0 +1,146 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "worker/pbrt/entities.h"
+
+namespace strata {
+namespace {
+
+constexpr double kPiDouble = std::numbers::pi;
+
+/// A positive parameter that replaces a level, such as "power"; none if absent. As in pbrt,
+/// values of 0 and below stand for absent.
+std::optional<double> Level(ParameterReader& parameters, std::string_view name) {
+  const double value = parameters.Float(name, -1);
+  return value > 0 ? std::optional<double>(value) : std::nullopt;
+}
+
+Vec3f ToFloat(Vec3d v) {
+  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+}
+
+bool IsFinite(Vec3d v) { return strata::IsFinite(ToFloat(v)); }
+
+Vec3d ToDouble(Vec3f v) { return {v.x, v.y, v.z}; }
+
+/// `color` scaled to a luminance of `level` by the weights of its RGB components.
+Rgb WithLuminance(Rgb color, double level) {
+  const float luminance = Luminance(color);
+  return luminance > 0 ? color * static_cast<float>(level / luminance) : Rgb{};
+}
+
+absl::StatusOr<LightDescription> ReadPoint(const Transform& world_from_light,
+                                           std::string_view color_space,
+                                           ParameterReader& parameters, ReadContext& context) {
+  Rgb intensity =
+      ColorParameter(parameters, "I", Rgb::Gray(1), SpectrumUse::kIlluminant, color_space, context);
+  const double scale = parameters.Float("scale", 1);
+  if (const std::optional<double> power = Level(parameters, "power")) {
+    intensity = WithLuminance(intensity, *power / (4 * kPiDouble));
+  }
+  const Vec3d from = world_from_light.Point(ToDouble(parameters.Point3("from").value_or(Vec3f{})));
+  if (!IsFinite(from)) return ErrorAt(parameters.where(), "the light is infinitely far away");
+  return LightDescription{
+      parameters.where(),
+      PointLightDescription{ToFloat(from), intensity * static_cast<float>(scale)}};
+}
+
+absl::StatusOr<LightDescription> ReadDistant(const Transform& world_from_light,
+                                             std::string_view color_space,
+                                             ParameterReader& parameters, ReadContext& context) {
+  const Rgb radiance =
+      ColorParameter(parameters, "L", Rgb::Gray(1), SpectrumUse::kIlluminant, color_space, context);
+  double scale = parameters.Float("scale", 1);
+  scale *= Level(parameters, "illuminance").value_or(1);
+  const Vec3f from = parameters.Point3("from").value_or(Vec3f{});
+  const Vec3f to = parameters.Point3("to").value_or(Vec3f{0, 0, 1});
+  const Vec3d direction = world_from_light.Vector(ToDouble(from - to));
+  const double length =
+      std::sqrt(direction.x * direction.x + direction.y * direction.y + direction.z * direction.z);
+  if (!(length > 0) || !std::isfinite(length)) {
+    return ErrorAt(parameters.where(), "\"from\" and \"to\" of the light give no direction");
+  }
+  const Vec3f unit = ToFloat({direction.x / length, direction.y / length, direction.z / length});
+  return LightDescription{parameters.where(),
+                          DistantLightDescription{unit, radiance * static_cast<float>(scale)}};
+}
+
+absl::StatusOr<LightDescription> ReadInfinite(const Transform& world_from_light,
+                                              std::string_view color_space,
+                                              ParameterReader& parameters, ReadContext& context) {
+  const SourceLocation& where = parameters.where();
+  const double scale = parameters.Float("scale", 1);
+  const std::optional<double> illuminance = Level(parameters, "illuminance");
+  if (const Parameter* portal = parameters.Take("portal")) {
+    context.Warn(portal->where, "the \"portal\" of the light is ignored; it shines from all sides");
+  }
+  if (!parameters.Has("filename")) {
+    Rgb radiance = ColorParameter(parameters, "L", Rgb::Gray(1), SpectrumUse::kIlluminant,
+                                  color_space, context);
+    // The irradiance of a hemisphere of radiance L is pi L.
+    if (illuminance) radiance = radiance * static_cast<float>(*illuminance / kPiDouble);
+    return LightDescription{where,
+                            ConstantInfiniteLightDescription{radiance * static_cast<float>(scale)}};
+  }
+  if (parameters.Has("L")) {
+    parameters.Fail(where, "an infinite light has either \"L\" or \"filename\", not both");
+  }
+  if (illuminance) {
+    parameters.Fail(where, "\"illuminance\" of an image light is not supported; use \"scale\"");
+  }
+  if (!world_from_light.Inverse()) {
+    return ErrorAt(where, "the light's transform cannot be inverted");
+  }
+  const std::string name = parameters.String("filename", "");
+  STRATA_RETURN_IF_ERROR(parameters.Finish(context.warnings));
+  STRATA_ASSIGN_OR_RETURN(std::string path, context.AddFile(name, where));
+  return LightDescription{where, ImageInfiniteLightDescription{std::move(path), world_from_light,
+                                                               static_cast<float>(scale)}};
+}
+
+}  // namespace
+
+absl::Status ReadLight(const std::string& type, const Transform& world_from_light,
+                       std::string_view color_space, ParameterReader& parameters,
+                       ReadContext& context) {
+  const auto read = type == "point"      ? ReadPoint
+                    : type == "distant"  ? ReadDistant
+                    : type == "infinite" ? ReadInfinite
+                                         : nullptr;
+  if (!read) {
+    return ErrorAt(parameters.where(), StrCat("LightSource \"", type,
+                                              "\" is not supported; use point, distant or "
+                                              "infinite, or an area light"));
+  }
+  STRATA_ASSIGN_OR_RETURN(LightDescription light,
+                          read(world_from_light, color_space, parameters, context));
+  STRATA_RETURN_IF_ERROR(parameters.Finish(context.warnings));
+  context.scene.lights.push_back(std::move(light));
+  return absl::OkStatus();
+}
+
+absl::StatusOr<AreaLight> ReadAreaLight(const std::string& type, std::string_view color_space,
+                                        ParameterReader& parameters, ReadContext& context) {
+  if (type != "diffuse") {
+    return ErrorAt(parameters.where(),
+                   StrCat("AreaLightSource \"", type, "\" is not supported; use diffuse"));
+  }
+  AreaLight light;
+  light.where = parameters.where();
+  const Rgb radiance =
+      ColorParameter(parameters, "L", Rgb::Gray(1), SpectrumUse::kIlluminant, color_space, context);
+  const double scale = parameters.Float("scale", 1);
+  light.two_sided = parameters.Bool("twosided", false);
+  light.power = Level(parameters, "power");
+  if (light.power) *light.power *= scale;
+  light.radiance = radiance * static_cast<float>(scale);
+  if (const Parameter* image = parameters.Take("filename")) {
+    parameters.Fail(image->where,
+                    "an image as radiance of an area light is not supported; use \"L\"");
+  }
+  STRATA_RETURN_IF_ERROR(parameters.Finish(context.warnings));
+  return light;
+}
+
+}  // namespace strata

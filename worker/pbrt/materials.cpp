@@ -1,0 +1,266 @@
+#include <algorithm>
+#include <set>
+
+#include "worker/pbrt/entities.h"
+
+namespace strata {
+namespace {
+
+constexpr int kMaxMixDepth = 16;
+
+/// The colour of a named metal's index, as pbrt's default for conductors.
+Rgb NamedIndex(std::string_view name, ReadContext& context) {
+  Parameter parameter;
+  parameter.type = "spectrum";
+  parameter.strings = {std::string(name)};
+  return *ReadColor(parameter, SpectrumUse::kUnbounded, "srgb", context);
+}
+
+}  // namespace
+
+MaterialTable::MaterialTable(ReadContext& context, TextureTable& textures)
+    : context_(context), textures_(textures) {
+  // Shapes before any Material are of pbrt's default.
+  ParameterReader none("Material \"diffuse\"", {}, {});
+  const TextureId gray =
+      textures_.Color(none, "reflectance", Rgb::Gray(0.5f), SpectrumUse::kReflectance, "srgb");
+  context_.scene.materials.push_back(DiffuseMaterial{gray});
+  where_.emplace_back();
+}
+
+Roughness MaterialTable::ReadRoughness(ParameterReader& parameters, const std::string& prefix,
+                                       bool remap) {
+  // "roughness" stands in for whichever of the two is not given.
+  Roughness roughness;
+  roughness.remap = remap;
+  const TextureId both = textures_.Float(parameters, prefix + "roughness", std::nullopt);
+  roughness.u = textures_.Float(parameters, prefix + "uroughness", std::nullopt);
+  roughness.v = textures_.Float(parameters, prefix + "vroughness", std::nullopt);
+  if (roughness.u == kNoTexture) roughness.u = both;
+  if (roughness.v == kNoTexture) roughness.v = both;
+  for (const TextureId id : {roughness.u, roughness.v}) {
+    const std::optional<Rgb> value = textures_.ConstantValue(id);
+    if (value && value->r < 0) parameters.Fail(parameters.where(), "a roughness is negative");
+  }
+  return roughness;
+}
+
+float MaterialTable::ReadEta(ParameterReader& parameters, std::string_view name) {
+  double eta = 1.5;
+  if (const Parameter* parameter = parameters.Take(name)) {
+    if (parameter->type == "spectrum") {
+      absl::StatusOr<Spectrum> spectrum = ReadSpectrum(*parameter, context_);
+      if (!spectrum.ok()) {
+        parameters.Fail(spectrum.status());
+        return 1.5f;
+      }
+      eta = AtSodiumLine(*spectrum);
+      context_.Warn(parameter->where,
+                    "the refractive index is taken at 589 nm for all colours; there is no "
+                    "dispersion");
+    } else {
+      eta = parameters.Float(name, eta);
+    }
+    if (!(eta > 0)) {
+      parameters.Fail(parameter->where, StrCat("\"", name, "\" must be more than 0, not ", eta));
+    }
+  }
+  return static_cast<float>(eta);
+}
+
+void MaterialTable::ReadConductor(ParameterReader& parameters, const std::string& prefix,
+                                  std::string_view color_space, TextureId& eta, TextureId& k,
+                                  TextureId& reflectance) {
+  reflectance = textures_.Color(parameters, prefix + "reflectance", std::nullopt,
+                                SpectrumUse::kReflectance, color_space);
+  if (reflectance != kNoTexture) {
+    if (parameters.Has(prefix + "eta") || parameters.Has(prefix + "k")) {
+      parameters.Fail(parameters.where(), StrCat("\"", prefix, "reflectance\" excludes \"", prefix,
+                                                 "eta\" and \"", prefix, "k\""));
+    }
+    return;
+  }
+  eta = textures_.Color(parameters, prefix + "eta", NamedIndex("metal-Cu-eta", context_),
+                        SpectrumUse::kUnbounded, color_space);
+  k = textures_.Color(parameters, prefix + "k", NamedIndex("metal-Cu-k", context_),
+                      SpectrumUse::kUnbounded, color_space);
+}
+
+void MaterialTable::WarnOfLayers(ParameterReader& parameters) {
+  // The closed form of the coats has no random walk to bound, and no phase function.
+  parameters.Integer("maxdepth", 10);
+  parameters.Integer("nsamples", 1);
+  if (textures_.ConstantValue(textures_.Float(parameters, "g", 0.0f)) != Rgb{}) {
+    context_.Warn(parameters.where(), "the asymmetry \"g\" of a coat's layer is ignored");
+  }
+}
+
+CoatedDiffuseMaterial MaterialTable::ReadCoatedDiffuse(ParameterReader& parameters,
+                                                       std::string_view color_space) {
+  CoatedDiffuseMaterial m;
+  m.roughness = ReadRoughness(parameters, "", parameters.Bool("remaproughness", true));
+  m.reflectance = textures_.Color(parameters, "reflectance", Rgb::Gray(0.5f),
+                                  SpectrumUse::kReflectance, color_space);
+  m.eta = ReadEta(parameters, "eta");
+  m.albedo = textures_.Color(parameters, "albedo", Rgb{}, SpectrumUse::kReflectance, color_space);
+  m.thickness = static_cast<float>(parameters.Float("thickness", 0.01));
+  WarnOfLayers(parameters);
+  return m;
+}
+
+CoatedConductorMaterial MaterialTable::ReadCoatedConductor(ParameterReader& parameters,
+                                                           std::string_view color_space) {
+  CoatedConductorMaterial m;
+  const bool remap = parameters.Bool("remaproughness", true);
+  m.interface_roughness = ReadRoughness(parameters, "interface.", remap);
+  m.conductor_roughness = ReadRoughness(parameters, "conductor.", remap);
+  m.interface_eta = ReadEta(parameters, "interface.eta");
+  ReadConductor(parameters, "conductor.", color_space, m.eta, m.k, m.reflectance);
+  // pbrt-v4 reads these two without the prefix they are documented with.
+  if (!parameters.Has("conductor.reflectance") && parameters.Has("reflectance")) {
+    m.reflectance = textures_.Color(parameters, "reflectance", std::nullopt,
+                                    SpectrumUse::kReflectance, color_space);
+  }
+  parameters.Float("thickness", 0.01);
+  if (textures_.ConstantValue(textures_.Color(parameters, "albedo", Rgb{},
+                                              SpectrumUse::kReflectance, color_space)) != Rgb{}) {
+    context_.Warn(parameters.where(), "the \"albedo\" of a coated conductor's layer is ignored");
+  }
+  WarnOfLayers(parameters);
+  return m;
+}
+
+MixMaterial MaterialTable::ReadMix(ParameterReader& parameters) {
+  MixMaterial mix;
+  const std::vector<std::string> names = parameters.Strings("materials");
+  if (names.size() != 2) {
+    parameters.Fail(parameters.where(), "Material \"mix\" wants \"string materials\" of two names");
+    return mix;
+  }
+  mix.a = Use(names[0], parameters.where());
+  mix.b = Use(names[1], parameters.where());
+  mix.amount = textures_.Float(parameters, "amount", 0.5f);
+  return mix;
+}
+
+absl::StatusOr<MaterialDescription> MaterialTable::Read(const std::string& type,
+                                                        std::string_view color_space,
+                                                        ParameterReader& parameters) {
+  const auto color = [&](std::string_view name, float fallback) {
+    return textures_.Color(parameters, name, Rgb::Gray(fallback), SpectrumUse::kReflectance,
+                           color_space);
+  };
+  const auto remap = [&] { return parameters.Bool("remaproughness", true); };
+
+  if (type == "diffuse") return DiffuseMaterial{color("reflectance", 0.5f)};
+  if (type == "conductor") {
+    ConductorMaterial m;
+    ReadConductor(parameters, "", color_space, m.eta, m.k, m.reflectance);
+    m.roughness = ReadRoughness(parameters, "", remap());
+    return m;
+  }
+  if (type == "dielectric") {
+    return DielectricMaterial{ReadEta(parameters, "eta"), ReadRoughness(parameters, "", remap())};
+  }
+  if (type == "thindielectric") return ThinDielectricMaterial{ReadEta(parameters, "eta")};
+  if (type == "coateddiffuse") return ReadCoatedDiffuse(parameters, color_space);
+  if (type == "coatedconductor") return ReadCoatedConductor(parameters, color_space);
+  if (type == "diffusetransmission") {
+    return DiffuseTransmissionMaterial{color("reflectance", 0.25f), color("transmittance", 0.25f),
+                                       static_cast<float>(parameters.Float("scale", 1))};
+  }
+  if (type == "mix") return ReadMix(parameters);
+  if (type == "interface" || type.empty()) return InterfaceMaterial{};
+  return ErrorAt(parameters.where(),
+                 StrCat("material \"", type,
+                        "\" is not supported; use diffuse, conductor, "
+                        "dielectric, thindielectric, coateddiffuse, coatedconductor, "
+                        "diffusetransmission, mix or interface"));
+}
+
+absl::StatusOr<MaterialId> MaterialTable::Add(const std::string& type, std::string_view color_space,
+                                              ParameterReader& parameters) {
+  for (const std::string_view name : {"displacement", "normalmap"}) {
+    if (const Parameter* parameter = parameters.Take(name)) {
+      context_.Warn(parameter->where,
+                    StrCat("\"", name, "\" is not supported; surfaces stay smooth"));
+    }
+  }
+  STRATA_ASSIGN_OR_RETURN(MaterialDescription material, Read(type, color_space, parameters));
+  STRATA_RETURN_IF_ERROR(parameters.Finish(context_.warnings));
+  context_.scene.materials.push_back(std::move(material));
+  where_.push_back(parameters.where());
+  return static_cast<MaterialId>(where_.size() - 1);
+}
+
+absl::Status MaterialTable::Define(const std::string& name, std::string_view color_space,
+                                   ParameterReader& parameters) {
+  if (!parameters.Has("type")) {
+    return ErrorAt(parameters.where(),
+                   StrCat("MakeNamedMaterial \"", name, "\" wants a \"string type\""));
+  }
+  const std::string type = parameters.String("type", "");
+  const auto it = named_.find(name);
+  if (it != named_.end() && it->second.defined) {
+    return ErrorAt(parameters.where(), StrCat("material \"", name, "\" is defined twice"));
+  }
+  STRATA_ASSIGN_OR_RETURN(const MaterialId id, Add(type, color_space, parameters));
+  Named& named = named_[name];
+  if (named.first_use.line == 0) {
+    named.id = id;
+  } else {
+    // Used before: the slot that was reserved then becomes the definition.
+    context_.scene.materials[named.id] = std::move(context_.scene.materials[id]);
+    context_.scene.materials.pop_back();
+    where_[named.id] = where_[id];
+    where_.pop_back();
+  }
+  named.defined = true;
+  return absl::OkStatus();
+}
+
+MaterialId MaterialTable::Use(const std::string& name, const SourceLocation& where) {
+  const auto [it, is_new] = named_.try_emplace(name);
+  if (is_new) {
+    context_.scene.materials.push_back(InterfaceMaterial{});
+    where_.push_back(where);
+    it->second = {static_cast<MaterialId>(where_.size() - 1), where, false};
+  }
+  return it->second.id;
+}
+
+absl::Status MaterialTable::CheckAllDefined() const {
+  const SourceLocation* first = nullptr;
+  std::string_view missing;
+  for (const auto& [name, named] : named_) {
+    if (named.defined || (first && named.first_use.line >= first->line)) continue;
+    first = &named.first_use;
+    missing = name;
+  }
+  if (first) {
+    return ErrorAt(*first, StrCat("material \"", missing,
+                                  "\" is not defined; define it with MakeNamedMaterial"));
+  }
+  // Mixes are chosen from by recursion: their depth is bounded, and so they have no cycles.
+  const std::vector<MaterialDescription>& materials = context_.scene.materials;
+  std::vector<int> depth(materials.size(), 0);
+  for (int round = 0; round <= kMaxMixDepth; ++round) {
+    bool changed = false;
+    for (size_t i = 0; i < materials.size(); ++i) {
+      const auto* mix = std::get_if<MixMaterial>(&materials[i]);
+      if (!mix) continue;
+      const int below = 1 + std::max(depth[mix->a], depth[mix->b]);
+      if (below > kMaxMixDepth) {
+        return ErrorAt(where_[i], StrCat("mix materials contain themselves, or are nested "
+                                         "more than ",
+                                         kMaxMixDepth, " deep"));
+      }
+      changed |= below > depth[i];
+      depth[i] = std::max(depth[i], below);
+    }
+    if (!changed) break;
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace strata

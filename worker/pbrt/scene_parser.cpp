@@ -1,0 +1,302 @@
+#include "worker/pbrt/scene_parser.h"
+
+#include <algorithm>
+#include <utility>
+
+// Files, scopes and the directives that change the graphics state alone. What describes things is
+// in entity_directives.cpp.
+
+namespace strata {
+namespace {
+
+/// Deeper than any real scene, and shallow enough that states and files stay small.
+constexpr size_t kMaxScopes = 4096, kMaxOpenFiles = 64;
+
+}  // namespace
+
+SceneParser::SceneParser(ReadContext& context)
+    : context_(context), textures_(context), materials_(context, textures_) {
+  // pbrt-v4's defaults of what need not be said.
+  context.scene.defaults.filter = DefaultFilter(FilterKind::kGaussian);
+}
+
+const absl::flat_hash_map<std::string_view, SceneParser::Directive>& SceneParser::Directives() {
+  using P = SceneParser;
+  static const auto* directives = new absl::flat_hash_map<std::string_view, Directive>{
+      {"Include", {Block::kEither, &P::Include}},
+      {"Import", {Block::kWorld, &P::Import}},
+      {"WorldBegin", {Block::kOptions, &P::WorldBegin}},
+      {"AttributeBegin", {Block::kWorld, &P::AttributeBegin}},
+      {"AttributeEnd", {Block::kWorld, &P::AttributeEnd}},
+      {"TransformBegin", {Block::kEither, &P::TransformBegin}},
+      {"TransformEnd", {Block::kEither, &P::TransformEnd}},
+      {"ObjectBegin", {Block::kWorld, &P::ObjectBegin}},
+      {"ObjectEnd", {Block::kWorld, &P::ObjectEnd}},
+      {"ObjectInstance", {Block::kWorld, &P::ObjectInstance}},
+      {"Attribute", {Block::kEither, &P::Attribute}},
+      {"ReverseOrientation", {Block::kWorld, &P::ReverseOrientation}},
+      {"ColorSpace", {Block::kEither, &P::ColorSpace}},
+      {"Option", {Block::kOptions, &P::Option}},
+      {"Identity", {Block::kEither, &P::Identity}},
+      {"Translate", {Block::kEither, &P::Translate}},
+      {"Scale", {Block::kEither, &P::Scale}},
+      {"Rotate", {Block::kEither, &P::Rotate}},
+      {"LookAt", {Block::kEither, &P::LookAt}},
+      {"Transform", {Block::kEither, &P::SetTransform}},
+      {"ConcatTransform", {Block::kEither, &P::ConcatTransform}},
+      {"CoordinateSystem", {Block::kEither, &P::CoordinateSystem}},
+      {"CoordSysTransform", {Block::kEither, &P::CoordSysTransform}},
+      {"TransformTimes", {Block::kOptions, &P::TransformTimes}},
+      {"ActiveTransform", {Block::kEither, &P::ActiveTransform}},
+      {"Camera", {Block::kOptions, &P::Camera}},
+      {"Film", {Block::kOptions, &P::Film}},
+      {"PixelFilter", {Block::kOptions, &P::PixelFilter}},
+      {"Sampler", {Block::kOptions, &P::Sampler}},
+      {"Integrator", {Block::kOptions, &P::Integrator}},
+      {"Accelerator", {Block::kOptions, &P::Accelerator}},
+      {"Texture", {Block::kWorld, &P::Texture}},
+      {"Material", {Block::kWorld, &P::Material}},
+      {"MakeNamedMaterial", {Block::kWorld, &P::MakeNamedMaterial}},
+      {"NamedMaterial", {Block::kWorld, &P::NamedMaterial}},
+      {"LightSource", {Block::kWorld, &P::LightSource}},
+      {"AreaLightSource", {Block::kWorld, &P::AreaLightSource}},
+      {"MakeNamedMedium", {Block::kEither, &P::MakeNamedMedium}},
+      {"MediumInterface", {Block::kEither, &P::MediumInterface}},
+      {"Shape", {Block::kWorld, &P::Shape}},
+  };
+  return *directives;
+}
+
+// ---- files ----
+
+absl::Status SceneParser::ParseFile(const std::string& bundle_path) {
+  STRATA_RETURN_IF_ERROR(Open(bundle_path, {bundle_path, 0}, false));
+  while (!files_.empty()) {
+    STRATA_ASSIGN_OR_RETURN(const Token token, tokens().Next());
+    if (token.kind == Token::Kind::kEnd) {
+      STRATA_RETURN_IF_ERROR(CloseFile());
+    } else {
+      STRATA_RETURN_IF_ERROR(RunDirective(token));
+    }
+  }
+  directive_at_ = {bundle_path, directive_at_.line};
+  return Finish();
+}
+
+absl::Status SceneParser::Open(const std::string& bundle_path, const SourceLocation& where,
+                               bool import) {
+  for (const OpenFile& file : files_) {
+    if (file.bundle_path == bundle_path) {
+      return ErrorAt(where, StrCat("\"", bundle_path, "\" includes itself"));
+    }
+  }
+  if (files_.size() >= kMaxOpenFiles) {
+    return ErrorAt(where, StrCat("files are included more than ", kMaxOpenFiles, " deep"));
+  }
+  STRATA_ASSIGN_OR_RETURN(std::string text, context_.ReadText(bundle_path, where));
+  OpenFile file;
+  file.bundle_path = bundle_path;
+  file.tokens = std::make_unique<Tokenizer>(bundle_path, std::move(text));
+  file.included_at = where;
+  file.scopes = scopes_.size();
+  if (import) file.state_after = state_;
+  files_.push_back(std::move(file));
+  return absl::OkStatus();
+}
+
+absl::Status SceneParser::CloseFile() {
+  OpenFile& file = files_.back();
+  if (file.state_after) {
+    if (scopes_.size() > file.scopes) {
+      return ErrorAt(scopes_.back().where, "what begins here does not end in the imported file");
+    }
+    state_ = *std::move(file.state_after);
+  }
+  files_.pop_back();
+  return absl::OkStatus();
+}
+
+absl::Status SceneParser::RunDirective(const Token& token) {
+  directive_at_ = tokens().At(token.line);
+  const auto it =
+      token.kind == Token::Kind::kWord ? Directives().find(token.text) : Directives().end();
+  if (it == Directives().end()) {
+    std::string shown(token.text.substr(0, 40));
+    std::replace_if(
+        shown.begin(), shown.end(), [](unsigned char c) { return c < 0x20 || c >= 0x7f; }, '?');
+    return ErrorAt(Here(), StrCat("\"", shown, "\" is no directive of pbrt-v4"));
+  }
+  directive_ = token.text;
+  if (it->second.block == Block::kWorld && !in_world_) {
+    return ErrorAt(Here(), StrCat(directive_, " must come after WorldBegin"));
+  }
+  if (it->second.block == Block::kOptions && in_world_) {
+    return ErrorAt(Here(), StrCat(directive_, " must come before WorldBegin"));
+  }
+  return (this->*it->second.run)();
+}
+
+absl::Status SceneParser::Finish() {
+  if (!scopes_.empty()) {
+    return ErrorAt(scopes_.back().where, "what begins here never ends; add the matching End");
+  }
+  if (!in_world_) {
+    return ErrorAt(Here(), "the file has no WorldBegin, and so no scene");
+  }
+  for (size_t i = 0; i < object_states_.size(); ++i) {
+    if (object_states_[i].defined) continue;
+    return ErrorAt(object_states_[i].first_use,
+                   StrCat("there is no object \"", context_.scene.objects[i].name,
+                          "\"; define it with ObjectBegin"));
+  }
+  return materials_.CheckAllDefined();
+}
+
+absl::Status SceneParser::Include() {
+  STRATA_ASSIGN_OR_RETURN(const std::string name, ReadString());
+  STRATA_ASSIGN_OR_RETURN(const std::string path, context_.AddFile(name, Here()));
+  return Open(path, Here(), false);
+}
+
+absl::Status SceneParser::Import() {
+  STRATA_ASSIGN_OR_RETURN(const std::string name, ReadString());
+  STRATA_ASSIGN_OR_RETURN(const std::string path, context_.AddFile(name, Here()));
+  return Open(path, Here(), true);
+}
+
+// ---- reading of arguments ----
+
+absl::StatusOr<std::string> SceneParser::ReadString() {
+  STRATA_ASSIGN_OR_RETURN(const Token token, tokens().Next());
+  if (token.kind != Token::Kind::kString) {
+    return ErrorAt(Here(), StrCat(directive_, " wants a string in quotes"));
+  }
+  return Unescape(token.text, tokens().At(token.line));
+}
+
+absl::Status SceneParser::ReadNumbers(double* values, int count) {
+  STRATA_ASSIGN_OR_RETURN(Token token, tokens().Peek());
+  const bool bracketed = token.kind == Token::Kind::kOpen;
+  if (bracketed) STRATA_RETURN_IF_ERROR(tokens().Next().status());
+  for (int i = 0; i < count; ++i) {
+    STRATA_ASSIGN_OR_RETURN(token, tokens().Next());
+    if (token.kind != Token::Kind::kWord) {
+      return ErrorAt(Here(), StrCat(directive_, " wants ", count, " numbers"));
+    }
+    STRATA_ASSIGN_OR_RETURN(values[i], ParseNumber(token.text, tokens().At(token.line)));
+  }
+  if (!bracketed) return absl::OkStatus();
+  STRATA_ASSIGN_OR_RETURN(token, tokens().Next());
+  if (token.kind == Token::Kind::kClose) return absl::OkStatus();
+  return ErrorAt(Here(), StrCat(directive_, " wants ", count, " numbers and a ]"));
+}
+
+absl::StatusOr<ParameterReader> SceneParser::ReadParameters(std::string_view name,
+                                                            std::string_view target) {
+  STRATA_ASSIGN_OR_RETURN(std::vector<Parameter> own, ParseParameters(tokens()));
+  std::vector<Parameter> inherited;
+  if (state_.attributes && !target.empty()) {
+    const auto it = state_.attributes->find(ToAbsl(target));
+    if (it != state_.attributes->end()) inherited = it->second;
+  }
+  return ParameterReader(StrCat(directive_, " \"", name.substr(0, 40), "\""), Here(),
+                         std::move(own), inherited);
+}
+
+// ---- scopes ----
+
+absl::Status SceneParser::WorldBegin() {
+  if (!scopes_.empty()) {
+    return ErrorAt(scopes_.back().where, "what begins here must end before WorldBegin");
+  }
+  in_world_ = true;
+  state_.ctm = {};
+  coordinate_systems_["world"] = {};
+  return absl::OkStatus();
+}
+
+absl::Status SceneParser::OpenScope(ScopeKind kind) {
+  if (scopes_.size() >= kMaxScopes) {
+    return ErrorAt(Here(), StrCat("scopes are nested more than ", kMaxScopes, " deep"));
+  }
+  scopes_.push_back({kind, Here(), state_});
+  return absl::OkStatus();
+}
+
+absl::Status SceneParser::CloseScope(ScopeKind kind, std::string_view begin) {
+  // An imported file may not close what it has not opened.
+  const bool importing = files_.back().state_after.has_value();
+  if (scopes_.size() <= (importing ? files_.back().scopes : 0)) {
+    return ErrorAt(Here(), StrCat(directive_, " without ", begin));
+  }
+  if (scopes_.back().kind != kind) {
+    return ErrorAt(Here(), StrCat(directive_, " does not match what begins at ",
+                                  scopes_.back().where.ToString()));
+  }
+  if (kind == ScopeKind::kTransform) {
+    state_.ctm = scopes_.back().state.ctm;
+  } else {
+    state_ = std::move(scopes_.back().state);
+  }
+  scopes_.pop_back();
+  return absl::OkStatus();
+}
+
+absl::Status SceneParser::AttributeBegin() { return OpenScope(ScopeKind::kAttribute); }
+absl::Status SceneParser::AttributeEnd() {
+  return CloseScope(ScopeKind::kAttribute, "AttributeBegin");
+}
+absl::Status SceneParser::TransformBegin() { return OpenScope(ScopeKind::kTransform); }
+absl::Status SceneParser::TransformEnd() {
+  return CloseScope(ScopeKind::kTransform, "TransformBegin");
+}
+
+absl::Status SceneParser::Attribute() {
+  STRATA_ASSIGN_OR_RETURN(const std::string target, ReadString());
+  constexpr std::string_view kTargets[] = {"shape", "light", "material", "medium", "texture"};
+  if (std::find(std::begin(kTargets), std::end(kTargets), target) == std::end(kTargets)) {
+    return ErrorAt(Here(), StrCat("Attribute wants shape, light, material, medium or "
+                                  "texture, not \"",
+                                  target, "\""));
+  }
+  STRATA_ASSIGN_OR_RETURN(std::vector<Parameter> parameters, ParseParameters(tokens()));
+  auto attributes =
+      state_.attributes
+          ? std::make_shared<absl::flat_hash_map<std::string, std::vector<Parameter>>>(
+                *state_.attributes)
+          : std::make_shared<absl::flat_hash_map<std::string, std::vector<Parameter>>>();
+  std::vector<Parameter>& list = (*attributes)[target];
+  for (Parameter& parameter : parameters) {
+    const auto same = std::find_if(list.begin(), list.end(), [&](const Parameter& other) {
+      return other.name == parameter.name;
+    });
+    if (same == list.end()) {
+      list.push_back(std::move(parameter));
+    } else {
+      *same = std::move(parameter);
+    }
+  }
+  state_.attributes = std::move(attributes);
+  return absl::OkStatus();
+}
+
+absl::Status SceneParser::ReverseOrientation() {
+  state_.reverse_orientation = !state_.reverse_orientation;
+  return absl::OkStatus();
+}
+
+absl::Status SceneParser::ColorSpace() {
+  STRATA_ASSIGN_OR_RETURN(const std::string name, ReadString());
+  const auto known = ToRec709(name);
+  if (!known.ok()) return Annotate(known.status(), Here().ToString());
+  state_.color_space = name;
+  return absl::OkStatus();
+}
+
+absl::Status SceneParser::Option() {
+  STRATA_RETURN_IF_ERROR(ParseParameters(tokens()).status());
+  context_.Warn(Here(), "Option directives are ignored");
+  return absl::OkStatus();
+}
+
+}  // namespace strata

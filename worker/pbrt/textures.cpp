@@ -1,0 +1,209 @@
+#include <absl/strings/numbers.h>
+#include <absl/strings/str_split.h>
+
+#include <algorithm>
+
+#include "worker/pbrt/entities.h"
+
+namespace strata {
+namespace {
+
+/// Textures are evaluated by recursion; no real scene nests them nearly as deep.
+constexpr int kMaxTextureDepth = 32;
+
+UvMapping ReadUvMapping(ParameterReader& parameters, ReadContext& context) {
+  UvMapping mapping;
+  const std::string kind = parameters.String("mapping", "uv");
+  mapping.su = static_cast<float>(parameters.Float("uscale", 1));
+  mapping.sv = static_cast<float>(parameters.Float("vscale", 1));
+  mapping.du = static_cast<float>(parameters.Float("udelta", 0));
+  mapping.dv = static_cast<float>(parameters.Float("vdelta", 0));
+  if (kind != "uv") {
+    context.Warn(parameters.where(),
+                 StrCat("texture mapping \"", kind, "\" is not supported; uv is used"));
+    parameters.Ignore("v1");
+    parameters.Ignore("v2");
+  }
+  return mapping;
+}
+
+void ReadEncoding(ParameterReader& parameters, ImageTexture& image) {
+  const std::string encoding = parameters.String("encoding", "sRGB");
+  const std::vector<std::string> words = absl::StrSplit(encoding, ' ', absl::SkipWhitespace());
+  if (encoding == "sRGB") {
+    image.encoding = ImageEncoding::kSrgb;
+  } else if (encoding == "linear") {
+    image.encoding = ImageEncoding::kLinear;
+  } else if (words.size() == 2 && words[0] == "gamma" && absl::SimpleAtof(words[1], &image.gamma) &&
+             image.gamma > 0 && image.gamma < 100) {
+    image.encoding = ImageEncoding::kGamma;
+  } else {
+    parameters.Fail(parameters.where(),
+                    "\"string encoding\" must be \"sRGB\", \"linear\" or \"gamma\" and a number");
+  }
+}
+
+void ReadWrap(ParameterReader& parameters, ReadContext& context, ImageTexture& image) {
+  const std::string wrap = parameters.String("wrap", "repeat");
+  if (wrap == "black") {
+    image.wrap = ImageWrap::kBlack;
+  } else if (wrap == "clamp") {
+    image.wrap = ImageWrap::kClamp;
+  } else if (wrap == "octahedralsphere") {
+    context.Warn(parameters.where(),
+                 "wrap mode \"octahedralsphere\" is not supported; repeat is "
+                 "used");
+  } else if (wrap != "repeat") {
+    parameters.Fail(parameters.where(),
+                    StrCat("unknown wrap mode \"", wrap, "\"; use repeat, black or clamp"));
+  }
+}
+
+}  // namespace
+
+TextureId TextureTable::Add(TextureDescription texture, int depth) {
+  context_.scene.textures.push_back(std::move(texture));
+  depths_.push_back(depth);
+  return static_cast<TextureId>(depths_.size() - 1);
+}
+
+TextureId TextureTable::Named(ParameterReader& parameters, const Parameter& parameter,
+                              const absl::flat_hash_map<std::string, TextureId>& names,
+                              std::string_view kind) {
+  const std::string name = parameter.strings.size() == 1 ? parameter.strings[0] : "";
+  const auto it = names.find(name);
+  if (it != names.end()) return it->second;
+  parameters.Fail(parameter.where, StrCat("there is no ", kind, " texture \"", name,
+                                          "\" so far; define it with Texture before it is used"));
+  return kNoTexture;
+}
+
+TextureId TextureTable::Float(ParameterReader& parameters, std::string_view name,
+                              std::optional<float> fallback) {
+  const Parameter* parameter = parameters.Take(name);
+  if (parameter && parameter->type == "texture") {
+    return Named(parameters, *parameter, floats_, "float");
+  }
+  if (!parameter && !fallback) return kNoTexture;
+  const double value = parameters.Float(name, fallback.value_or(0));
+  return Add(ConstantTexture{Rgb::Gray(static_cast<float>(value))}, 1);
+}
+
+TextureId TextureTable::Color(ParameterReader& parameters, std::string_view name,
+                              std::optional<Rgb> fallback, SpectrumUse use,
+                              std::string_view color_space) {
+  const Parameter* parameter = parameters.Take(name);
+  if (parameter && parameter->type == "texture") {
+    return Named(parameters, *parameter, spectra_, "spectrum");
+  }
+  if (!parameter && !fallback) return kNoTexture;
+  const Rgb color =
+      ColorParameter(parameters, name, fallback.value_or(Rgb{}), use, color_space, context_);
+  return Add(ConstantTexture{color}, 1);
+}
+
+std::optional<Rgb> TextureTable::ConstantValue(TextureId id) const {
+  if (id == kNoTexture) return std::nullopt;
+  const auto* constant = std::get_if<ConstantTexture>(&context_.scene.textures[id]);
+  if (!constant) return std::nullopt;
+  return constant->value;
+}
+
+int TextureTable::DepthOver(ParameterReader& parameters, std::initializer_list<TextureId> inputs) {
+  int depth = 1;
+  for (const TextureId input : inputs) {
+    if (input != kNoTexture) depth = std::max(depth, depths_[input] + 1);
+  }
+  if (depth > kMaxTextureDepth) {
+    parameters.Fail(parameters.where(), StrCat("textures are nested more than ", kMaxTextureDepth,
+                                               " deep; simplify them"));
+  }
+  return depth;
+}
+
+std::optional<ImageTexture> TextureTable::ReadImage(ParameterReader& parameters, bool scalar) {
+  ImageTexture image;
+  image.scalar = scalar;
+  image.mapping = ReadUvMapping(parameters, context_);
+  image.scale = static_cast<float>(parameters.Float("scale", 1));
+  image.invert = parameters.Bool("invert", false);
+  ReadWrap(parameters, context_, image);
+  ReadEncoding(parameters, image);
+  // Rays are many and samples are jittered, so that filtering beyond bilinear changes little.
+  image.nearest = parameters.String("filter", "bilinear") == "point";
+  parameters.Float("maxanisotropy", 8);
+  const std::string name = parameters.String("filename", "");
+  if (!parameters.Has("filename")) {
+    parameters.Fail(parameters.where(), "an imagemap wants a \"string filename\"");
+    return std::nullopt;
+  }
+  absl::StatusOr<std::string> path = context_.AddFile(name, parameters.where());
+  if (!path.ok()) {
+    parameters.Fail(path.status());
+    return std::nullopt;
+  }
+  image.path = *std::move(path);
+  return image;
+}
+
+absl::Status TextureTable::Define(const std::string& name, const std::string& value_type,
+                                  const std::string& texture_class,
+                                  const Transform& world_from_texture, std::string_view color_space,
+                                  ParameterReader& parameters) {
+  const SourceLocation where = parameters.where();
+  const bool scalar = value_type == "float";
+  if (!scalar && value_type != "spectrum") {
+    return ErrorAt(where, StrCat("Texture \"", name, "\" has the unknown type \"", value_type,
+                                 "\"; use float or spectrum"));
+  }
+  auto& names = scalar ? floats_ : spectra_;
+  if (names.contains(name)) {
+    return ErrorAt(where, StrCat("Texture \"", name, "\" is defined twice"));
+  }
+  const auto value = [&](std::string_view parameter, float fallback) {
+    return scalar ? Float(parameters, parameter, fallback)
+                  : Color(parameters, parameter, Rgb::Gray(fallback), SpectrumUse::kUnbounded,
+                          color_space);
+  };
+
+  TextureId id = kNoTexture;
+  if (texture_class == "constant") {
+    id = value("value", 1);
+  } else if (texture_class == "scale") {
+    const ScaleTexture scale{value("tex", 1), Float(parameters, "scale", 1.0f)};
+    id = Add(scale, DepthOver(parameters, {scale.texture, scale.scale}));
+  } else if (texture_class == "mix") {
+    const MixTexture mix{value("tex1", 0), value("tex2", 1), Float(parameters, "amount", 0.5f)};
+    id = Add(mix, DepthOver(parameters, {mix.a, mix.b, mix.amount}));
+  } else if (texture_class == "checkerboard") {
+    CheckerboardTexture checkerboard;
+    const int dimension = parameters.Integer("dimension", 2);
+    if (dimension != 2 && dimension != 3) {
+      parameters.Fail(where, "\"integer dimension\" must be 2 or 3");
+    }
+    checkerboard.a = value("tex1", 1);
+    checkerboard.b = value("tex2", 0);
+    checkerboard.solid = dimension == 3;
+    if (checkerboard.solid) {
+      const std::optional<Transform> inverse = world_from_texture.Inverse();
+      if (!inverse) return ErrorAt(where, "the texture's transform cannot be inverted");
+      checkerboard.world_to_texture = *inverse;
+    } else {
+      checkerboard.mapping = ReadUvMapping(parameters, context_);
+    }
+    id = Add(checkerboard, DepthOver(parameters, {checkerboard.a, checkerboard.b}));
+  } else if (texture_class == "imagemap") {
+    if (std::optional<ImageTexture> image = ReadImage(parameters, scalar)) {
+      id = Add(*std::move(image), 1);
+    }
+  } else {
+    return ErrorAt(where, StrCat("Texture class \"", texture_class,
+                                 "\" is not supported; use constant, imagemap, scale, mix or "
+                                 "checkerboard"));
+  }
+  STRATA_RETURN_IF_ERROR(parameters.Finish(context_.warnings));
+  names.emplace(name, id);
+  return absl::OkStatus();
+}
+
+}  // namespace strata

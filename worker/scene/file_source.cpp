@@ -1,0 +1,43 @@
+#include "worker/scene/file_source.h"
+
+#include <algorithm>
+#include <system_error>
+
+#include "common/bundle.h"
+#include "common/text.h"
+
+namespace strata {
+
+absl::StatusOr<std::filesystem::path> DirectorySource::Locate(
+    const std::string& bundle_path) const {
+  namespace fs = std::filesystem;
+  if (!IsBundlePath(bundle_path)) {
+    return absl::InvalidArgumentError(StrCat(
+        "\"", bundle_path, "\" is no path inside the scene's root; it must be relative to it"));
+  }
+  std::error_code error;
+  const fs::path root = fs::canonical(root_, error);
+  if (error) {
+    return absl::NotFoundError(
+        StrCat("the scene's root \"", root_.string(), "\": ", error.message()));
+  }
+  const fs::path path = fs::canonical(root / bundle_path, error);
+  if (error) {
+    return absl::NotFoundError(StrCat("\"", bundle_path, "\": ", error.message()));
+  }
+  // After symbolic links are followed, the file must still be below the root.
+  const auto [root_end, path_part] =
+      std::mismatch(root.begin(), root.end(), path.begin(), path.end());
+  if (root_end != root.end()) {
+    return absl::InvalidArgumentError(
+        StrCat("\"", bundle_path,
+               "\" is a symbolic link that leads outside the scene's root; copy the "
+               "file inside or choose a root that contains it (--root)"));
+  }
+  if (!fs::is_regular_file(path, error)) {
+    return absl::InvalidArgumentError(StrCat("\"", bundle_path, "\" is no regular file"));
+  }
+  return path;
+}
+
+}  // namespace strata
