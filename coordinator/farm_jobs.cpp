@@ -31,7 +31,15 @@ absl::Status WrongState(const JobRecord& job, std::string_view remedy) {
       fmt::format("job {} is {}; {}", job.id, ToString(job.state), remedy));
 }
 
-/// Films and uploads of an earlier life that no job in the store owns.
+/// A request that came again, perhaps since its answer was lost, must ask for the same.
+absl::StatusOr<JobId> SameJob(const JobRecord& job, JobSpec spec) {
+  spec.priority = job.spec.priority;  // It may have been changed since.
+  if (spec == job.spec) return job.id;
+  return absl::AlreadyExistsError(
+      fmt::format("request_id: it was used for job {}, which is another one", job.id));
+}
+
+/// Makes the directory of films; removes those of an earlier life that no job in the store owns.
 absl::Status PrepareDirectory(const FarmOptions& options, const JobStore& store) {
   STRATA_ASSIGN_OR_RETURN(const std::vector<StoredJob> jobs, store.Jobs());
   absl::flat_hash_set<std::string> owned;
@@ -93,7 +101,7 @@ absl::StatusOr<JobId> Farm::State::AddJob(const JobSpec& spec, const std::string
                                           SteadyTime now) {
   if (!request_id.empty()) {
     STRATA_ASSIGN_OR_RETURN(const std::optional<JobId> known, store->FindRequest(request_id));
-    if (known && jobs.contains(*known)) return *known;
+    if (known) return SameJob(*jobs.at(*known), spec);
   }
   auto job = std::make_unique<JobRecord>();
   job->spec = spec;

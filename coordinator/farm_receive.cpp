@@ -103,7 +103,7 @@ bool Farm::State::MergeResult(const std::string& worker, UnitResult result, JobF
   const uint64_t samples = SamplesIn(result.partial);
   const uint64_t rays =
       std::accumulate(result.partial.rays.begin(), result.partial.rays.end(), uint64_t{0});
-  UnitResult summary{result.job, result.lease, {}};
+  UnitResult summary{result.job, result.lease, {}, result.load_seconds};
   summary.partial.unit = unit;
   summary.partial.replays = std::move(result.partial.replays);
   summary.partial.render_seconds = result.partial.render_seconds;
@@ -158,6 +158,7 @@ bool Farm::State::MergeResult(const std::string& worker, UnitResult result, JobF
 void Farm::State::MeasureWorker(JobRecord& job, WorkerRecord& worker, const UnitResult& result,
                                 uint64_t samples, SteadyTime now) {
   worker.samples += samples;
+  job.load_s = std::max(job.load_s, result.load_seconds);
   const std::chrono::duration<double> render(std::max(result.partial.render_seconds, 0.0));
   const SteadyTime began = now - std::chrono::duration_cast<SteadyTime::duration>(render);
   job.render_began =
@@ -167,11 +168,7 @@ void Farm::State::MeasureWorker(JobRecord& job, WorkerRecord& worker, const Unit
   const SteadyTime granted = lease->second.granted;
   WorkerRate& rate = worker.rates[job.id];
   const SteadyTime since = std::max(granted, std::exchange(worker.rendered, now));
-  if (!std::exchange(rate.warm, true)) {
-    // What the first result took beyond rendering was loading the scene.
-    job.load_s = std::max(job.load_s, SecondsBetween(granted, began));
-    return;
-  }
+  if (!std::exchange(rate.warm, true)) return;  // It took the loading of the scene too.
   constexpr double kMemorySeconds = 8;
   rate.samples += static_cast<double>(samples);
   rate.seconds += SecondsBetween(since, now);
