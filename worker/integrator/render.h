@@ -9,6 +9,7 @@
 #include "common/kernel_revision.h"
 #include "common/status.h"
 #include "common/unit.h"
+#include "worker/integrator/direct_strategy.h"
 #include "worker/scene/file_source.h"
 
 namespace strata {
@@ -37,8 +38,9 @@ class RenderPool {
 class Renderer {
  public:
   /// INVALID_ARGUMENT when the spec cannot be rendered with this scene.
-  static absl::StatusOr<std::unique_ptr<Renderer>> Create(std::shared_ptr<const Scene> scene,
-                                                          const JobSpec& spec);
+  static absl::StatusOr<std::unique_ptr<Renderer>> Create(
+      std::shared_ptr<const Scene> scene, const JobSpec& spec,
+      DirectStrategy direct = DirectStrategy::kMis);
   ~Renderer();
 
   /// The same bits for any pool. CANCELLED soon after `*cancel` becomes true.

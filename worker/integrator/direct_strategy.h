@@ -1,0 +1,9 @@
+#pragma once
+
+namespace strata {
+
+/// How light that falls directly on a vertex is found. All have the same expectation as long as no
+/// light is a delta light; the single ones exist to test the sum.
+enum class DirectStrategy { kMis, kLightOnly, kBsdfOnly };
+
+}  // namespace strata

@@ -1,0 +1,252 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "worker/bsdf/bsdf.h"
+#include "worker/integrator/direct_strategy.h"
+#include "worker/light/light_set.h"
+#include "worker/sampling/sampler.h"
+#include "worker/sampling/warp.h"
+#include "worker/scene/scene.h"
+
+// The unidirectional path tracer: one function template, compiled for each sampler and observer.
+
+namespace strata {
+
+struct PathSettings {
+  int max_depth = 5;  ///< Bounces, as pbrt-v4's maxdepth: 0 shows emission alone.
+  DirectStrategy direct = DirectStrategy::kMis;
+  bool features = false;  ///< Whether PathSample::albedo is wanted.
+};
+
+/// What one path found.
+struct PathSample {
+  Rgb radiance;
+  uint32_t rays = 0;
+  bool hit = false;  ///< Whether the camera ray met a surface; the rest speaks of that point.
+  Rgb albedo;
+  Vec3f normal;  ///< World, unit, shading.
+  Vec3f position;
+};
+
+/// A vertex of a path, in the BSDF's terms.
+struct PathVertex {
+  SurfacePoint point;
+  Vec3f wo_world;  ///< Unit, back along the path.
+  Frame frame;     ///< Of shading.
+  Vec3f wo;
+  const Bsdf* bsdf = nullptr;
+};
+
+/// One light sample and what became of it.
+struct DirectSample {
+  LightSet::Choice choice;
+  LightSample light;
+  Rgb f;  ///< BSDF times cosine.
+  float bsdf_pdf = 0;
+  float weight = 1;  ///< Of MIS.
+  bool blocked = false;
+};
+
+/// Is told of every event of a path, and says nothing: all calls vanish. The observer of `strata
+/// replay` writes them down.
+struct SilentObserver {
+  void OnMiss(const Ray&, Rgb /*radiance*/, float /*weight*/) {}
+  void OnVertex(int /*depth*/, const Ray&, const PathVertex&, Rgb /*beta*/) {}
+  void OnEmission(int /*light*/, Rgb /*radiance*/, float /*weight*/) {}
+  void OnLight(const DirectSample&, Rgb /*contribution*/) {}
+  void OnBsdf(const std::optional<BsdfSample>&, Vec3f /*wi_world*/) {}
+  void OnRoulette(float /*survival*/, bool /*survived*/) {}
+};
+
+namespace path_detail {
+
+inline constexpr float kMinSurvival = 0.05f;
+/// Shadow segments end short of the light by this part of their length: Embree's distances to
+/// surfaces round, and the light must not shadow itself.
+inline constexpr float kShadowEnd = 1 - 0x1p-14f;
+
+inline Frame ShadingFrame(const SurfacePoint& point, Vec3f wo) {
+  // A surface that is seen from behind its interpolated normal is taken as flat.
+  const bool seen = Dot(point.ns, wo) * Dot(point.ng, wo) > 0;
+  return Frame::FromNormalAndTangent(seen ? point.ns : point.ng, point.dpdu);
+}
+
+/// Where shading and geometric normal disagree about the side a direction lies on, the direction is
+/// refused: light would leak through the surface.
+inline bool SidesAgree(const PathVertex& vertex, Vec3f w_world, Vec3f w) {
+  return Dot(vertex.point.ng, w_world) * w.z > 0;
+}
+
+inline bool IsBlocked(const Geometry& geometry, const SurfacePoint& point,
+                      const LightSample& light) {
+  if (light.infinite) return geometry.Occluded({OffsetRayOrigin(point, light.wi), light.wi});
+  const Vec3f origin = OffsetRayOrigin(point, light.wi);
+  return geometry.Occluded({origin, light.end - origin, kShadowEnd});
+}
+
+}  // namespace path_detail
+
+/// Follows one path from the camera. Holds what is carried from vertex to vertex.
+template <typename Sampler, typename Observer>
+class PathTracer {
+ public:
+  PathTracer(const Scene& scene, const PathSettings& settings, const Sampler& sampler,
+             Observer& observer)
+      : scene_(scene), settings_(settings), sampler_(sampler), observer_(observer) {}
+
+  /// Light that arrives along `ray`. The sampler must have been started on the sample.
+  PathSample Trace(Ray ray) {
+    for (int depth = 0;; ++depth) {
+      Hit hit;
+      ++result_.rays;
+      if (!scene_.geometry().Intersect(ray, &hit)) {
+        AddEnvironment(ray);
+        break;
+      }
+      PathVertex vertex;
+      vertex.point = scene_.geometry().Surface(ray, hit);
+      vertex.wo_world = -ray.direction;
+      if (vertex.point.light >= 0) AddEmission(ray, hit, vertex.point);
+
+      const bool last = depth == settings_.max_depth;
+      if (last && depth > 0) break;
+      MakeBsdf(depth, vertex);
+      observer_.OnVertex(depth, ray, vertex, beta_);
+      if (depth == 0) DescribeFirstHit(vertex);
+      if (last) break;
+
+      AddDirectLight(depth, vertex);
+      if (!Scatter(depth, vertex, &ray) || !SurvivesRoulette(depth)) break;
+    }
+    return result_;
+  }
+
+ private:
+  Vec2f Get2D(int depth, BouncePair pair) const {
+    return sampler_.Get2D(kPairFirstBounce + static_cast<uint32_t>(depth) * kPairsPerBounce + pair);
+  }
+
+  /// MIS weight of emission that the BSDF's direction met, where light sampling would have found it
+  /// with density `light_pdf()`.
+  template <typename LightPdf>
+  float EmissionWeight(LightPdf&& light_pdf) const {
+    if (specular_ || settings_.direct == DirectStrategy::kBsdfOnly) return 1;
+    if (settings_.direct == DirectStrategy::kLightOnly) return 0;
+    return PowerHeuristic(bsdf_pdf_, light_pdf());
+  }
+
+  void AddEnvironment(const Ray& ray) {
+    for (uint32_t light : scene_.lights().environments()) {
+      const Rgb radiance = scene_.lights().EnvironmentLe(light, ray.direction);
+      const float weight =
+          EmissionWeight([&] { return scene_.lights().EnvironmentPdf(light, ray.direction); });
+      result_.radiance += beta_ * radiance * weight;
+      observer_.OnMiss(ray, radiance, weight);
+    }
+  }
+
+  void AddEmission(const Ray& ray, const Hit& hit, const SurfacePoint& point) {
+    const uint32_t light = static_cast<uint32_t>(point.light);
+    const Rgb radiance = scene_.lights().SurfaceLe(light, point.ng, -ray.direction);
+    if (IsBlack(radiance)) return;
+    const float weight = EmissionWeight([&] {
+      return scene_.lights().SurfacePdf(light, previous_,
+                                        {point.p, point.ng, ray.direction, hit.t});
+    });
+    result_.radiance += beta_ * radiance * weight;
+    observer_.OnEmission(point.light, radiance, weight);
+  }
+
+  void MakeBsdf(int depth, PathVertex& vertex) {
+    vertex.frame = path_detail::ShadingFrame(vertex.point, vertex.wo_world);
+    vertex.wo = vertex.frame.ToLocal(vertex.wo_world);
+    const SurfacePoint& point = vertex.point;
+    vertex.bsdf = scene_.materials().Constant(point.material);
+    if (vertex.bsdf) return;
+    bsdf_ =
+        scene_.materials().Evaluate(point.material, point.uv, point.p, Get2D(depth, kPairLobe).y);
+    vertex.bsdf = &bsdf_;
+  }
+
+  void DescribeFirstHit(const PathVertex& vertex) {
+    result_.hit = true;
+    result_.normal = vertex.frame.z;
+    result_.position = vertex.point.p;
+    if (settings_.features) result_.albedo = Albedo(*vertex.bsdf, vertex.wo);
+  }
+
+  void AddDirectLight(int depth, const PathVertex& vertex) {
+    const LightSet& lights = scene_.lights();
+    if (lights.empty() || settings_.direct == DirectStrategy::kBsdfOnly || IsDelta(*vertex.bsdf))
+      return;
+    DirectSample direct;
+    Vec2f u = Get2D(depth, kPairLight);
+    direct.choice =
+        lights.Select(u.x, lights.SelectNeedsLowBits() ? Get2D(depth, kPairSelect).x : 0);
+    u.x = direct.choice.u;
+    const std::optional<LightSample> light = lights.Sample(direct.choice.light, vertex.point.p, u);
+    if (!light) return;
+    direct.light = *light;
+    const Vec3f wi = vertex.frame.ToLocal(light->wi);
+    if (!path_detail::SidesAgree(vertex, light->wi, wi)) return;
+    direct.f = Eval(*vertex.bsdf, vertex.wo, wi);
+    if (IsBlack(direct.f)) return;
+    const float light_pdf = light->pdf * direct.choice.probability;
+    if (!light->delta && settings_.direct == DirectStrategy::kMis) {
+      direct.bsdf_pdf = Pdf(*vertex.bsdf, vertex.wo, wi);
+      direct.weight = PowerHeuristic(light_pdf, direct.bsdf_pdf);
+    }
+    ++result_.rays;
+    direct.blocked = path_detail::IsBlocked(scene_.geometry(), vertex.point, *light);
+    const Rgb contribution =
+        direct.blocked ? Rgb{} : beta_ * direct.f * light->radiance * (direct.weight / light_pdf);
+    result_.radiance += contribution;
+    observer_.OnLight(direct, contribution);
+  }
+
+  /// Chooses the next direction. False when the path ends here.
+  bool Scatter(int depth, const PathVertex& vertex, Ray* ray) {
+    const std::optional<BsdfSample> sample =
+        Sample(*vertex.bsdf, vertex.wo, Get2D(depth, kPairLobe).x, Get2D(depth, kPairBsdf));
+    const Vec3f wi = sample ? vertex.frame.ToWorld(sample->wi) : Vec3f{};
+    observer_.OnBsdf(sample, wi);
+    if (!sample || IsBlack(sample->weight) || !path_detail::SidesAgree(vertex, wi, sample->wi))
+      return false;
+    beta_ *= sample->weight;
+    specular_ = sample->delta;
+    bsdf_pdf_ = sample->pdf;
+    if (sample->transmission) eta_scale_ *= sample->eta * sample->eta;
+    previous_ = vertex.point.p;
+    *ray = {OffsetRayOrigin(vertex.point, wi), wi};
+    return true;
+  }
+
+  /// Russian roulette on the throughput, with what refraction into denser media took given back
+  /// (PBRT 13.2.1). Not before the second bounce, as pbrt does.
+  bool SurvivesRoulette(int depth) {
+    const float throughput = MaxComponent(beta_) * eta_scale_;
+    if (depth < 1 || throughput >= 1) return true;
+    const float survival = std::max(throughput, path_detail::kMinSurvival);
+    const bool survives = Get2D(depth, kPairSelect).y < survival;
+    beta_ *= 1 / survival;
+    observer_.OnRoulette(survival, survives);
+    return survives;
+  }
+
+  const Scene& scene_;
+  const PathSettings& settings_;
+  const Sampler& sampler_;
+  Observer& observer_;
+
+  PathSample result_;
+  Rgb beta_ = {1, 1, 1};  ///< Throughput so far.
+  float eta_scale_ = 1;
+  bool specular_ = true;  ///< Light sampling could not have found what the ray meets next.
+  float bsdf_pdf_ = 0;    ///< Of the ray's direction.
+  Vec3f previous_;        ///< The vertex the ray left.
+  Bsdf bsdf_;             ///< Of the vertex, where it varies over the surface.
+};
+
+}  // namespace strata

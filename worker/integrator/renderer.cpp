@@ -1,0 +1,181 @@
+#include <algorithm>
+#include <chrono>
+#include <utility>
+#include <vector>
+
+#include "common/sync.h"
+#include "worker/integrator/pixel_sum.h"
+#include "worker/integrator/render_pool.h"
+#include "worker/integrator/renderer_state.h"
+
+namespace strata {
+
+/// The first sample of a pixel that was NaN or infinite.
+struct Defect {
+  int64_t pixel = 0;  ///< Row-major in the unit.
+  uint32_t replicate = 0, sample = 0;
+};
+
+/// Defects of a unit, found by all threads.
+class DefectList {
+ public:
+  void Add(const Defect& defect) {
+    MutexLock lock(mutex_);
+    defects_.push_back(defect);
+  }
+  /// In the order of pixels, whichever thread came first. For when all threads are done.
+  std::vector<Defect> Sorted() {
+    MutexLock lock(mutex_);
+    std::sort(defects_.begin(), defects_.end(),
+              [](const Defect& a, const Defect& b) { return a.pixel < b.pixel; });
+    return defects_;
+  }
+
+ private:
+  Mutex mutex_;
+  std::vector<Defect> defects_ STRATA_GUARDED_BY(mutex_);
+};
+
+namespace {
+
+/// Pixels that a thread takes at a time.
+constexpr int64_t kBlockPixels = 16;
+/// Non-finite samples of a unit that are named.
+constexpr size_t kMaxReplays = 4;
+
+void SetPlainValues(const ExtraChannels& channels, const Camera& camera, const PathSample& sample,
+                    float weight, PixelValue& value) {
+  int n = 0;
+  const auto add = [&](float x) { value.plain[n++] = weight * x; };
+  if (channels.alpha) add(sample.hit ? 1 : 0);
+  if (channels.albedo) {
+    add(sample.albedo.r);
+    add(sample.albedo.g);
+    add(sample.albedo.b);
+  }
+  if (channels.normal) {
+    add(sample.normal.x);
+    add(sample.normal.y);
+    add(sample.normal.z);
+  }
+  if (channels.depth)
+    add(sample.hit ? Dot(sample.position - camera.position(), camera.forward()) : 0);
+}
+
+Partial EmptyPartial(const WorkUnit& unit, const PixelLayout& layout) {
+  const size_t pixels = static_cast<size_t>(unit.pixels.Pixels());
+  Partial partial;
+  partial.unit = unit.id;
+  partial.pixels = unit.pixels;
+  partial.layout = layout;
+  partial.samples.resize(pixels);
+  partial.values.resize(pixels * layout.Doubles());
+  partial.rays.resize(pixels);
+  partial.nonfinite.resize(pixels);
+  return partial;
+}
+
+absl::Status CheckUnit(const WorkUnit& unit, const JobSpec& spec) {
+  const PixelRect& p = unit.pixels;
+  if (p.x0 < 0 || p.y0 < 0 || p.x0 >= p.x1 || p.y0 >= p.y1 || p.x1 > spec.width ||
+      p.y1 > spec.height)
+    return absl::InvalidArgumentError(
+        absl::StrCat("unit: its pixels [", p.x0, ", ", p.x1, ") x [", p.y0, ", ", p.y1,
+                     ") are not inside the frame of ", spec.width, "x", spec.height));
+  if (unit.ranges.size() != 1 && unit.ranges.size() != static_cast<size_t>(p.Pixels()))
+    return absl::InvalidArgumentError(absl::StrCat("unit: ", unit.ranges.size(),
+                                                   " sample ranges for ", p.Pixels(),
+                                                   " pixels; give one, or one for each"));
+  for (const SampleRange& range : unit.ranges)
+    if (range.begin > range.end)
+      return absl::InvalidArgumentError("unit: a sample range ends before it begins");
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+template <typename Sampler>
+void Renderer::State::RenderPixel(const WorkUnit& unit, int64_t pixel, Partial& partial,
+                                  DefectList& defects) const {
+  const int x = unit.pixels.x0 + static_cast<int>(pixel % unit.pixels.Width());
+  const int y = unit.pixels.y0 + static_cast<int>(pixel / unit.pixels.Width());
+  const SampleRange range = unit.RangeOf(pixel);
+  double* values = &partial.values[static_cast<size_t>(pixel) * layout.Doubles()];
+  PixelSum sum(layout);
+  uint64_t rays = 0;
+  uint32_t nonfinite = 0;
+  for (uint32_t replicate = 0; replicate < kReplicates; ++replicate) {
+    Sampler sampler(Key(x, y, replicate));
+    for (uint32_t index = range.begin; index < range.end; ++index) {
+      sampler.StartSample(index);
+      float weight = 1;
+      const Ray ray = CameraRay(x, y, sampler, &weight);
+      SilentObserver observer;
+      const PathSample sample = PathTracer(*scene, settings, sampler, observer).Trace(ray);
+      rays += sample.rays;
+      PixelValue value;
+      value.color = sample.radiance * weight;
+      if (layout.plain > 0) SetPlainValues(spec.channels, camera, sample, weight, value);
+      if (!sum.Add(value) && nonfinite++ == 0) defects.Add({pixel, replicate, index});
+    }
+    sum.FinishReplicate(static_cast<int>(replicate), values);
+  }
+  sum.Finish(values);
+  partial.samples[pixel] = range.Count();
+  partial.rays[pixel] = rays;
+  partial.nonfinite[pixel] = nonfinite;
+}
+
+absl::StatusOr<std::unique_ptr<Renderer>> Renderer::Create(std::shared_ptr<const Scene> scene,
+                                                           const JobSpec& spec,
+                                                           DirectStrategy direct) {
+  STRATA_RETURN_IF_ERROR(ValidateJobSpec(spec));
+  STRATA_ASSIGN_OR_RETURN(const Camera camera,
+                          Camera::Create(scene->camera(), spec.width, spec.height));
+  auto state = std::make_unique<State>(State{
+      .scene = std::move(scene),
+      .spec = spec,
+      .layout = LayoutOf(spec),
+      .camera = camera,
+      .filter = FilterSampler(spec.filter),
+      .settings = {.max_depth = spec.max_depth, .direct = direct, .features = spec.channels.albedo},
+  });
+  return std::unique_ptr<Renderer>(new Renderer(std::move(state)));
+}
+
+Renderer::Renderer(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Renderer::~Renderer() = default;
+
+absl::StatusOr<Partial> Renderer::Render(const WorkUnit& unit, RenderPool& pool,
+                                         const std::atomic<bool>* cancel) const {
+  STRATA_RETURN_IF_ERROR(CheckUnit(unit, state_->spec));
+  const auto start = std::chrono::steady_clock::now();
+  Partial partial = EmptyPartial(unit, state_->layout);
+  DefectList defects;
+  const bool sobol = state_->spec.sampler == SamplerKind::kSobol;
+  const int64_t pixels = unit.pixels.Pixels();
+  pool.state_->Run((pixels + kBlockPixels - 1) / kBlockPixels, [&](int64_t block) {
+    if (cancel && cancel->load(std::memory_order_relaxed)) return;
+    const int64_t end = std::min((block + 1) * kBlockPixels, pixels);
+    for (int64_t pixel = block * kBlockPixels; pixel < end; ++pixel) {
+      if (sobol)
+        state_->RenderPixel<SobolSampler>(unit, pixel, partial, defects);
+      else
+        state_->RenderPixel<IndependentSampler>(unit, pixel, partial, defects);
+    }
+  });
+  if (cancel && cancel->load(std::memory_order_relaxed))
+    return absl::CancelledError("the unit was cancelled while it was rendered");
+  for (const Defect& defect : defects.Sorted()) {
+    if (partial.replays.size() == kMaxReplays) break;
+    const int x = unit.pixels.x0 + static_cast<int>(defect.pixel % unit.pixels.Width());
+    const int y = unit.pixels.y0 + static_cast<int>(defect.pixel / unit.pixels.Width());
+    partial.replays.push_back(ReplayCommand(state_->spec, state_->scene->defaults(), x, y,
+                                            defect.replicate, defect.sample));
+  }
+  partial.render_seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return partial;
+}
+
+}  // namespace strata

@@ -1,0 +1,108 @@
+#include <string>
+
+#include "absl/strings/str_format.h"
+#include "worker/integrator/renderer_state.h"
+
+namespace strata {
+namespace {
+
+std::string Text(Rgb c) { return absl::StrFormat("(%.6g %.6g %.6g)", c.r, c.g, c.b); }
+std::string Text(Vec3f v) { return absl::StrFormat("(%.6g %.6g %.6g)", v.x, v.y, v.z); }
+
+/// Writes down every event of a path, a line each.
+class ReplayObserver {
+ public:
+  explicit ReplayObserver(std::string* text) : text_(text) {}
+
+  void OnMiss(const Ray& ray, Rgb radiance, float weight) {
+    absl::StrAppendFormat(text_, "leaves the scene towards %s: environment %s, MIS weight %.6g\n",
+                          Text(ray.direction), Text(radiance), weight);
+  }
+  void OnVertex(int depth, const Ray& ray, const PathVertex& vertex, Rgb beta) {
+    const SurfacePoint& point = vertex.point;
+    absl::StrAppendFormat(text_,
+                          "vertex %d at %s, reached from %s\n"
+                          "  material %d, normal %s, shading normal %s, uv (%.6g %.6g)\n"
+                          "  throughput %s\n",
+                          depth, Text(point.p), Text(ray.origin), point.material, Text(point.ng),
+                          Text(vertex.frame.z), point.uv.x, point.uv.y, Text(beta));
+  }
+  void OnEmission(int light, Rgb radiance, float weight) {
+    absl::StrAppendFormat(text_, "meets light %d: emits %s, MIS weight %.6g\n", light,
+                          Text(radiance), weight);
+  }
+  void OnLight(const DirectSample& direct, Rgb contribution) {
+    absl::StrAppendFormat(text_,
+                          "  light %d (chosen with %.6g): towards %s, radiance %s, pdf %.6g%s\n"
+                          "    BSDF x cosine %s, its pdf %.6g, MIS weight %.6g: %s %s\n",
+                          direct.choice.light, direct.choice.probability, Text(direct.light.wi),
+                          Text(direct.light.radiance), direct.light.pdf,
+                          direct.light.delta ? " (delta)" : "", Text(direct.f), direct.bsdf_pdf,
+                          direct.weight, direct.blocked ? "blocked, adds" : "adds",
+                          Text(contribution));
+  }
+  void OnBsdf(const std::optional<BsdfSample>& sample, Vec3f wi_world) {
+    if (!sample) {
+      absl::StrAppend(text_, "  BSDF: absorbed\n");
+      return;
+    }
+    absl::StrAppendFormat(text_, "  BSDF: %s towards %s, pdf %.6g%s, weight %s\n",
+                          sample->transmission ? "transmitted" : "reflected", Text(wi_world),
+                          sample->pdf, sample->delta ? " (delta)" : "", Text(sample->weight));
+  }
+  void OnRoulette(float survival, bool survived) {
+    absl::StrAppendFormat(text_, "  roulette: survival %.6g, %s\n", survival,
+                          survived ? "goes on" : "ends");
+  }
+
+ private:
+  std::string* text_;
+};
+
+std::string FilterOption(const FilterSpec& filter) {
+  return filter.radius_x == filter.radius_y
+             ? absl::StrFormat("%s:%g", ToString(filter.kind), filter.radius_x)
+             : std::string(ToString(filter.kind));
+}
+
+}  // namespace
+
+template <typename Sampler>
+std::string Renderer::State::ReplaySample(int x, int y, uint32_t replicate, uint32_t sample) const {
+  Sampler sampler(Key(x, y, replicate));
+  sampler.StartSample(sample);
+  float weight = 1;
+  const Ray ray = CameraRay(x, y, sampler, &weight);
+  std::string text = absl::StrFormat(
+      "pixel (%d, %d), replicate %d, sample %d, seed %d, frame %d\n"
+      "camera ray from %s towards %s, filter weight %.6g\n",
+      x, y, replicate, sample, spec.seed, spec.frame, Text(ray.origin), Text(ray.direction),
+      weight);
+  ReplayObserver observer(&text);
+  const PathSample result = PathTracer(*scene, settings, sampler, observer).Trace(ray);
+  const Rgb value = result.radiance * weight;
+  absl::StrAppendFormat(&text, "value %s from %d rays%s\n", Text(value), result.rays,
+                        IsFinite(value) ? "" : ": not finite, enters the pixel as zero");
+  return text;
+}
+
+std::string ReplayCommand(const JobSpec& spec, const FrameDefaults& defaults, int x, int y,
+                          uint32_t replicate, uint32_t sample) {
+  std::string command = absl::StrFormat(
+      "strata replay %s --pixel %d,%d --replicate %d --sample %d --seed %d --frame %d "
+      "--resolution %dx%d --max-depth %d --sampler %s",
+      spec.bundle.scene, x, y, replicate, sample, spec.seed, spec.frame, spec.width, spec.height,
+      spec.max_depth, ToString(spec.sampler));
+  // The file's own filter may have parameters that no option has.
+  if (!(spec.filter == defaults.filter))
+    absl::StrAppend(&command, " --filter ", FilterOption(spec.filter));
+  return command;
+}
+
+std::string Renderer::Replay(int x, int y, uint32_t replicate, uint32_t sample) const {
+  return state_->spec.sampler == SamplerKind::kSobol
+             ? state_->ReplaySample<SobolSampler>(x, y, replicate, sample)
+             : state_->ReplaySample<IndependentSampler>(x, y, replicate, sample);
+}
+
+}  // namespace strata

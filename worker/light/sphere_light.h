@@ -1,0 +1,90 @@
+#pragma once
+
+#include <optional>
+
+#include "worker/geometry/geometry.h"
+#include "worker/light/light_sample.h"
+#include "worker/light/triangle_light.h"
+#include "worker/sampling/warp.h"
+
+namespace strata {
+
+/// A full sphere that emits the same radiance from every point. From outside it is sampled
+/// uniformly in the cone it fills (PBRT 6.2.4), from inside uniformly by area.
+struct SphereLight {
+  Vec3f center;
+  float radius = 0;
+  bool inward = false;  ///< The emitting side is the inside.
+  Rgb radiance;
+  bool two_sided = false;
+};
+
+inline Rgb Le(const SphereLight& light, Vec3f ng, Vec3f wo) {
+  return light.two_sided || Dot(ng, wo) > 0 ? light.radiance : Rgb{};
+}
+
+namespace sphere_light_detail {
+
+/// Bounds the rounding of a point that is computed as center + n * radius (PBRT 6.8.1).
+inline Vec3f PointError(const SphereLight& light, Vec3f n) {
+  return (Abs(light.center) + Abs(n) * light.radius) * (6 * 0x1p-24f);
+}
+
+inline float PdfArea(const SphereLight& light) {
+  return 1 / (4 * kPi * light.radius * light.radius);
+}
+
+/// `n` points away from the center.
+inline Vec3f OuterNormal(const SphereLight& light, Vec3f n) { return light.inward ? -n : n; }
+
+inline std::optional<LightSample> SampleFromInside(const SphereLight& light, Vec3f from, Vec2f u) {
+  const Vec3f n = SampleUniformSphere(u);
+  const Vec3f p = light.center + n * light.radius;
+  const Vec3f to_light = p - from;
+  const float distance2 = LengthSquared(to_light);
+  if (!(distance2 > 0)) return std::nullopt;
+  LightSample sample;
+  sample.wi = to_light / std::sqrt(distance2);
+  const Vec3f ng = OuterNormal(light, n);
+  sample.radiance = Le(light, ng, -sample.wi);
+  sample.pdf = AreaToSolidAngle(PdfArea(light), ng, sample.wi, distance2);
+  if (!(sample.pdf > 0) || IsBlack(sample.radiance)) return std::nullopt;
+  sample.end = OffsetRayOrigin(p, PointError(light, n), n, -to_light);
+  return sample;
+}
+
+}  // namespace sphere_light_detail
+
+inline float PdfLi(const SphereLight& light, Vec3f from, const EmissionHit& hit) {
+  const float distance2 = LengthSquared(light.center - from);
+  const float radius2 = light.radius * light.radius;
+  if (distance2 <= radius2)
+    return AreaToSolidAngle(sphere_light_detail::PdfArea(light), hit.ng, hit.wi,
+                            hit.distance * hit.distance);
+  return UniformConePdf(OneMinusCosFromSinSquared(radius2 / distance2));
+}
+
+inline std::optional<LightSample> SampleLi(const SphereLight& light, Vec3f from, Vec2f u) {
+  const Vec3f to_center = light.center - from;
+  const float distance2 = LengthSquared(to_center);
+  const float radius2 = light.radius * light.radius;
+  if (distance2 <= radius2) return sphere_light_detail::SampleFromInside(light, from, u);
+
+  const float one_minus_cos_max = OneMinusCosFromSinSquared(radius2 / distance2);
+  const Vec3f local = SampleUniformCone(u, one_minus_cos_max);
+  const float distance = std::sqrt(distance2);
+  LightSample sample;
+  sample.wi = Frame::FromNormal(to_center / distance).ToWorld(local);
+  sample.pdf = UniformConePdf(one_minus_cos_max);
+  // The nearer of the two points where the ray meets the sphere.
+  const float sin2 = local.x * local.x + local.y * local.y;
+  const float half_chord = std::sqrt(std::max(0.0f, radius2 - distance2 * sin2));
+  const Vec3f n = Normalize(sample.wi * (distance * local.z - half_chord) - to_center);
+  sample.radiance = Le(light, sphere_light_detail::OuterNormal(light, n), -sample.wi);
+  if (IsBlack(sample.radiance)) return std::nullopt;
+  const Vec3f p = light.center + n * light.radius;
+  sample.end = OffsetRayOrigin(p, sphere_light_detail::PointError(light, n), n, -sample.wi);
+  return sample;
+}
+
+}  // namespace strata

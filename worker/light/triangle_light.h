@@ -1,0 +1,51 @@
+#pragma once
+
+#include <optional>
+
+#include "worker/geometry/geometry.h"
+#include "worker/light/light_sample.h"
+#include "worker/sampling/warp.h"
+
+namespace strata {
+
+/// A triangle that emits the same radiance from every point, sampled uniformly by area.
+struct TriangleLight {
+  Vec3f p0, edge1, edge2;
+  Vec3f ng;       ///< Unit, of the emitting side.
+  Vec3f p_error;  ///< Bounds the rounding error of any sampled point (PBRT 6.8.5).
+  float pdf_area = 0;
+  Rgb radiance;
+  bool two_sided = false;
+};
+
+/// Radiance that leaves the surface with outer normal `ng` towards `wo`.
+inline Rgb Le(const TriangleLight& light, Vec3f ng, Vec3f wo) {
+  return light.two_sided || Dot(ng, wo) > 0 ? light.radiance : Rgb{};
+}
+
+/// Density per solid angle of the direction to a point chosen with density `pdf_area`; 0 edge-on.
+inline float AreaToSolidAngle(float pdf_area, Vec3f ng, Vec3f wi, float distance2) {
+  const float cosine = AbsDot(ng, wi);
+  return cosine > 0 ? pdf_area * distance2 / cosine : 0;
+}
+
+inline float PdfLi(const TriangleLight& light, Vec3f /*from*/, const EmissionHit& hit) {
+  return AreaToSolidAngle(light.pdf_area, hit.ng, hit.wi, hit.distance * hit.distance);
+}
+
+inline std::optional<LightSample> SampleLi(const TriangleLight& light, Vec3f from, Vec2f u) {
+  const Vec2f b = SampleTriangle(u);
+  const Vec3f p = light.p0 + light.edge1 * b.x + light.edge2 * b.y;
+  const Vec3f to_light = p - from;
+  const float distance2 = LengthSquared(to_light);
+  if (!(distance2 > 0)) return std::nullopt;
+  LightSample sample;
+  sample.wi = to_light / std::sqrt(distance2);
+  sample.radiance = Le(light, light.ng, -sample.wi);
+  sample.pdf = AreaToSolidAngle(light.pdf_area, light.ng, sample.wi, distance2);
+  if (!(sample.pdf > 0) || IsBlack(sample.radiance)) return std::nullopt;
+  sample.end = OffsetRayOrigin(p, light.p_error, light.ng, -to_light);
+  return sample;
+}
+
+}  // namespace strata

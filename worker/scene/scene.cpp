@@ -1,0 +1,33 @@
+#include "worker/scene/scene.h"
+
+#include <utility>
+
+#include "worker/integrator/render.h"
+#include "worker/pbrt/reader.h"
+
+namespace strata {
+
+absl::StatusOr<std::shared_ptr<const Scene>> Scene::Build(SceneDescription description,
+                                                          const FileSource& source) {
+  std::shared_ptr<Scene> scene(new Scene());
+  scene->camera_ = description.camera;
+  scene->defaults_ = description.defaults;
+  STRATA_ASSIGN_OR_RETURN(scene->geometry_, Geometry::Build(description));
+  // The meshes live in the geometry now; images may need the room.
+  description.shapes.clear();
+  description.objects.clear();
+  STRATA_ASSIGN_OR_RETURN(scene->textures_, TextureSet::Load(description.textures, source));
+  STRATA_ASSIGN_OR_RETURN(scene->materials_,
+                          MaterialSet::Build(std::move(description.materials), *scene->textures_));
+  STRATA_ASSIGN_OR_RETURN(LightSet lights, LightSet::Build(description, *scene->geometry_, source));
+  scene->lights_ = std::make_unique<LightSet>(std::move(lights));
+  return scene;
+}
+
+absl::StatusOr<std::shared_ptr<const Scene>> LoadScene(const FileSource& source,
+                                                       const std::string& scene_path) {
+  STRATA_ASSIGN_OR_RETURN(PbrtScene pbrt, ReadPbrt(source, scene_path));
+  return Scene::Build(std::move(pbrt.scene), source);
+}
+
+}  // namespace strata

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <memory>
+
+#include "common/status.h"
+#include "worker/bsdf/material.h"
+#include "worker/geometry/geometry.h"
+#include "worker/geometry/texture.h"
+#include "worker/light/light_set.h"
+#include "worker/scene/description.h"
+#include "worker/scene/file_source.h"
+
+namespace strata {
+
+/// A scene ready to be traced; what its file said of camera and frame is kept beside it.
+/// Immutable, so that all threads and jobs may share it.
+class Scene {
+ public:
+  /// Errors name the place in the scene file. Takes what it needs out of `description`.
+  static absl::StatusOr<std::shared_ptr<const Scene>> Build(SceneDescription description,
+                                                            const FileSource& source);
+
+  const Geometry& geometry() const { return *geometry_; }
+  const MaterialSet& materials() const { return *materials_; }
+  const LightSet& lights() const { return *lights_; }
+  const CameraDescription& camera() const { return camera_; }
+  const FrameDefaults& defaults() const { return defaults_; }
+
+ private:
+  Scene() = default;
+
+  CameraDescription camera_;
+  FrameDefaults defaults_;
+  std::unique_ptr<Geometry> geometry_;
+  std::unique_ptr<TextureSet> textures_;
+  std::unique_ptr<MaterialSet> materials_;
+  std::unique_ptr<LightSet> lights_;
+};
+
+}  // namespace strata
