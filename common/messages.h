@@ -49,6 +49,7 @@ struct UnitResult {
   JobId job;
   uint64_t lease = 0;
   Partial partial;
+  double load_seconds = 0;  ///< Seconds this worker took to load the job's scene; 0: it had it.
 };
 
 /// A unit, or a whole job (scene that does not load), that this worker cannot render.

@@ -73,6 +73,7 @@ void PartialChunker::Next(v1::PartialChunk* chunk) {
     header->mutable_layout()->set_plain(static_cast<uint32_t>(partial.layout.plain));
     header->set_replicates(kReplicates);
     header->set_render_seconds(partial.render_seconds);
+    header->set_load_seconds(result_.load_seconds);
     for (size_t i = 0; i < std::min(partial.replays.size(), kMaxReplays); ++i) {
       if (partial.replays[i].size() <= kMaxCommandBytes) header->add_replays(partial.replays[i]);
     }
@@ -124,11 +125,13 @@ absl::Status PartialAssembler::Begin(const v1::PartialHeader& header) {
   for (const std::string& replay : header.replays()) {
     STRATA_RETURN_IF_ERROR(CheckText(replay, kMaxCommandBytes, true, "partial.header.replays"));
   }
-  if (!(header.render_seconds() >= 0) || !std::isfinite(header.render_seconds())) {
-    return FieldError("partial.header.render_seconds", "must be finite and not negative");
+  for (const double seconds : {header.render_seconds(), header.load_seconds()}) {
+    if (!(seconds >= 0) || !std::isfinite(seconds)) {
+      return FieldError("partial.header.render_seconds", "must be finite and not negative");
+    }
   }
   const v1::UnitId& unit = header.unit();
-  result_ = UnitResult{header.job(), header.lease(), {}};
+  result_ = UnitResult{header.job(), header.lease(), {}, header.load_seconds()};
   result_.partial.unit = {unit.round(), unit.tile(), unit.piece()};
   result_.partial.pixels = rect;
   result_.partial.layout = layout;
