@@ -73,18 +73,20 @@ CoatInterface::CoatInterface(float eta) : eta_(eta) {
   }
   // The smooth border is evaluated exactly, so its mean must not be that of the table.
   constexpr int kSteps = 4096;
-  double mean = 0, inside = 0, inside_path = 0;
+  double mean = 0, internal = 0, internal_path = 0, escaping = 0, escaping_path = 0;
   for (int i = 0; i < kSteps; ++i) {
     const double cos_theta = (i + 0.5) / kSteps;
     mean +=
         2 * cos_theta * FresnelDielectric(static_cast<float>(cos_theta), eta).reflectance / kSteps;
-    const double internal =
-        2 * cos_theta * FresnelDielectric(static_cast<float>(cos_theta), 1 / eta).reflectance;
-    inside += internal;
-    inside_path += internal / cos_theta;
+    const double returned = FresnelDielectric(static_cast<float>(cos_theta), 1 / eta).reflectance;
+    internal += cos_theta * returned;
+    internal_path += returned;
+    escaping += cos_theta * (1 - returned);
+    escaping_path += 1 - returned;
   }
   mean_[0] = static_cast<float>(mean);
-  internal_path_ = inside > 0 ? static_cast<float>(inside_path / inside) : 1;
+  internal_path_ = internal > 0 ? static_cast<float>(internal_path / internal) : 1;
+  escaping_path_ = static_cast<float>(escaping_path / escaping);
 }
 
 float CoatInterface::RoughReflectance(float cos_theta, float alpha) const {

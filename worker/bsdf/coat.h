@@ -24,12 +24,14 @@ class CoatInterface {
   /// Mean path through the layer, in units of its thickness, of diffuse light from below that the
   /// border sends back.
   float internal_path() const { return internal_path_; }
+  /// The same of that which the border lets out.
+  float escaping_path() const { return escaping_path_; }
 
  private:
   static constexpr int kAlphas = 17, kCosines = 33;
 
   float eta_;
-  float internal_path_;
+  float internal_path_, escaping_path_;
   std::array<float, kAlphas> mean_;  ///< At sqrt(alpha) = i / (kAlphas - 1).
   std::array<std::array<float, kCosines>, kAlphas> reflectance_;  ///< At sqrt(cos) likewise.
 };

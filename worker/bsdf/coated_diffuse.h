@@ -37,7 +37,7 @@ struct CoatedDiffuseBsdf {
   /// Albedo of the light that comes from the base.
   Rgb BaseAlbedo(const CoatDirection& o) const {
     return base * (kPi * (1 - o.reflectance) * mean_entering) *
-           CoatTransmittance(coat, 1 / o.cos_refracted + coat.interface->internal_path());
+           CoatTransmittance(coat, 1 / o.cos_refracted + coat.interface->escaping_path());
   }
   /// The part of samples that go to the border's reflection.
   float BorderProbability(const CoatDirection& o) const {

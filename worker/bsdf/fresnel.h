@@ -15,6 +15,7 @@ struct DielectricFresnel {
 
 /// `cos_incident` in [0, 1]; `eta` is the index behind the border over that before it.
 inline DielectricFresnel FresnelDielectric(float cos_incident, float eta) {
+  if (eta == 1) return {0, cos_incident};
   const float sin2_incident = std::max(0.0f, (1 - cos_incident) * (1 + cos_incident));
   const float sin2_refracted = sin2_incident / (eta * eta);
   if (sin2_refracted >= 1) return {};

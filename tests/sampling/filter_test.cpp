@@ -1,0 +1,140 @@
+#include "worker/sampling/filter.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/statistics/chi_square.h"
+#include "tests/statistics/random.h"
+
+namespace strata {
+namespace {
+
+std::vector<FilterSpec> Filters() {
+  return {{.kind = FilterKind::kBox, .radius_x = 0.5, .radius_y = 0.5},
+          {.kind = FilterKind::kBox, .radius_x = 1, .radius_y = 0.25},
+          {.kind = FilterKind::kTriangle, .radius_x = 2, .radius_y = 1},
+          {.kind = FilterKind::kGaussian, .radius_x = 1.5, .radius_y = 1.5, .sigma = 0.5},
+          {.kind = FilterKind::kMitchell, .radius_x = 2, .radius_y = 2},
+          {.kind = FilterKind::kMitchell, .radius_x = 3, .radius_y = 2, .b = 0, .c = 1}};
+}
+
+/// The definitions of pbrt-v4, not normalised.
+double Definition(const FilterSpec& spec, double radius, double x) {
+  x = std::fabs(x);
+  if (x > radius) return 0;
+  switch (spec.kind) {
+    case FilterKind::kBox:
+      return 1;
+    case FilterKind::kTriangle:
+      return radius - x;
+    case FilterKind::kGaussian: {
+      const auto g = [&](double t) { return std::exp(-t * t / (2 * spec.sigma * spec.sigma)); };
+      return g(x) - g(radius);
+    }
+    case FilterKind::kMitchell:
+      break;
+  }
+  const double t = 2 * x / radius, b = spec.b, c = spec.c;
+  if (t < 1) {
+    return ((12 - 9 * b - 6 * c) * t * t * t + (-18 + 12 * b + 6 * c) * t * t + 6 - 2 * b) / 6;
+  }
+  return ((-b - 6 * c) * t * t * t + (6 * b + 30 * c) * t * t + (-12 * b - 48 * c) * t + 8 * b +
+          24 * c) /
+         6;
+}
+
+TEST(Filter, IsTheNormalisedDefinition) {
+  for (const FilterSpec& spec : Filters()) {
+    const FilterAxis axis(spec.kind, spec.radius_x, spec);
+    constexpr int kSteps = 20000;
+    double integral = 0;
+    for (int i = 0; i < kSteps; ++i) {
+      integral += Definition(spec, spec.radius_x, spec.radius_x * (2 * (i + 0.5) / kSteps - 1));
+    }
+    integral *= 2 * spec.radius_x / kSteps;
+    const double peak = Definition(spec, spec.radius_x, 0) / integral;
+    for (int i = 0; i < 1000; ++i) {
+      const double x = spec.radius_x * (2 * (i + 0.5) / 1000 - 1);
+      EXPECT_NEAR(axis.Eval(static_cast<float>(x)), Definition(spec, spec.radius_x, x) / integral,
+                  1e-3 * peak)
+          << ToString(spec.kind) << " at " << x;
+    }
+  }
+}
+
+// Through all 2^24 numbers of an axis, by a stratified part of them: a constant stays constant.
+TEST(Filter, WeightsAverageToOne) {
+  for (const FilterSpec& spec : Filters()) {
+    const FilterAxis axis(spec.kind, spec.radius_x, spec);
+    double sum = 0, offset = 0;
+    constexpr int kSteps = 1 << 24;
+    constexpr int kStride = 16;
+    for (int i = kStride / 2; i < kSteps; i += kStride) {
+      const FilterAxis::Point p = axis.Sample(static_cast<float>(i) * 0x1p-24f);
+      sum += p.weight;
+      offset += p.weight * p.offset;
+    }
+    EXPECT_NEAR(sum * kStride / kSteps, 1, 2e-4) << ToString(spec.kind);
+    EXPECT_NEAR(offset * kStride / kSteps, 0, 5e-4) << ToString(spec.kind);
+    // Non-negative filters have weight exactly 1.
+    if (spec.kind != FilterKind::kMitchell) EXPECT_EQ(axis.Sample(0.3f).weight, 1);
+  }
+}
+
+TEST(Filter, SamplesFollowItsMagnitude) {
+  constexpr int kBins = 64, kSamples = 1000000;
+  for (const FilterSpec& spec : Filters()) {
+    const FilterSampler filter(spec);
+    TestRandom random(1);
+    std::vector<double> counts(kBins, 0.0), expected(kBins, 0.0);
+    double weight = 0;
+    for (int i = 0; i < kSamples; ++i) {
+      const FilterSample s = filter.Sample(random.Float2());
+      ASSERT_LE(std::fabs(s.offset.x), spec.radius_x);
+      ASSERT_LE(std::fabs(s.offset.y), spec.radius_y);
+      const double t = (s.offset.x / spec.radius_x + 1) / 2;
+      ++counts[std::min(kBins - 1, static_cast<int>(t * kBins))];
+      weight = std::fabs(s.weight);
+    }
+    // |Eval| = density times |weight| on each axis; the two axes have the same weight.
+    const FilterAxis axis(spec.kind, spec.radius_x, spec);
+    constexpr int kSteps = 2000;
+    for (int bin = 0; bin < kBins; ++bin) {
+      for (int i = 0; i < kSteps; ++i) {
+        const double t = (bin + (i + 0.5) / kSteps) / kBins;
+        expected[bin] += std::fabs(axis.Eval(static_cast<float>((2 * t - 1) * spec.radius_x)));
+      }
+      expected[bin] *= 2 * spec.radius_x / kBins / kSteps * kSamples / std::sqrt(weight);
+    }
+    EXPECT_GT(ChiSquareTest(counts, expected).p, SidakLevel(0.01, 6)) << ToString(spec.kind);
+  }
+}
+
+// Filtering a smooth image by samples gives the integral of filter times image.
+TEST(Filter, SignedWeightsReconstruct) {
+  for (const FilterSpec& spec : Filters()) {
+    const FilterSampler filter(spec);
+    const auto image = [](double x, double y) { return 1 + x * x + 0.5 * x * y * y; };
+    TestRandom random(2);
+    MeanWithError mean;
+    for (int i = 0; i < 400000; ++i) {
+      const FilterSample s = filter.Sample(random.Float2());
+      mean.Add(s.weight * image(s.offset.x, s.offset.y));
+    }
+    double exact = 0;
+    constexpr int kSteps = 200;
+    for (int i = 0; i < kSteps; ++i) {
+      for (int j = 0; j < kSteps; ++j) {
+        const double x = spec.radius_x * (2 * (i + 0.5) / kSteps - 1);
+        const double y = spec.radius_y * (2 * (j + 0.5) / kSteps - 1);
+        exact += image(x, y) * filter.Eval({static_cast<float>(x), static_cast<float>(y)});
+      }
+    }
+    exact *= 4 * spec.radius_x * spec.radius_y / (kSteps * kSteps);
+    EXPECT_NEAR(mean.mean(), exact, 4 * mean.error() + 1e-3) << ToString(spec.kind);
+  }
+}
+
+}  // namespace
+}  // namespace strata

@@ -1,0 +1,193 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <optional>
+#include <vector>
+
+#include "tests/statistics/chi_square.h"
+#include "worker/math/vec.h"
+
+// Does a routine that draws directions have the density it claims? Cells of the sphere are cut so
+// that a pilot run puts equally many directions into each, however sharp the lobes are; then the
+// counts of a second run are compared with the integral of the density over each cell.
+
+namespace strata {
+
+struct DirectionTestResult {
+  ChiSquareResult chi_square;
+  double integral = 0;  ///< Of the density over the sphere.
+};
+
+namespace direction_test_detail {
+
+/// Polar coordinates of one hemisphere: t = 1 - |z|, exact at the pole, and phi in [-pi, pi].
+/// Solid angle is dt dphi.
+struct Polar {
+  double t, phi;
+};
+inline Polar ToPolar(Vec3f w) {
+  const double r2 = static_cast<double>(w.x) * w.x + static_cast<double>(w.y) * w.y;
+  const double z = std::sqrt(std::max(0.0, 1 - r2));
+  // Near the horizon z itself is the more accurate.
+  const double t = r2 < 0.5 ? r2 / (1 + z) : 1 - std::fabs(static_cast<double>(w.z));
+  return {std::clamp(t, 0.0, 1.0), std::atan2(static_cast<double>(w.y), static_cast<double>(w.x))};
+}
+inline Vec3f FromPolar(Polar p, bool upper) {
+  const double s = std::sqrt(p.t * (2 - p.t));
+  const double z = 1 - p.t;
+  return {static_cast<float>(s * std::cos(p.phi)), static_cast<float>(s * std::sin(p.phi)),
+          static_cast<float>(upper ? z : -z)};
+}
+
+struct Cell {
+  double t0, t1, phi0, phi1;
+};
+
+inline constexpr std::array<double, 3> kGaussNodes = {0.2386191860831969, 0.6612093864662645,
+                                                      0.9324695142031521};
+inline constexpr std::array<double, 3> kGaussWeights = {0.4679139345726910, 0.3607615730481386,
+                                                        0.1713244923791704};
+
+/// Six by six Gauss-Legendre points.
+template <typename Function>
+double Quadrature(const Function& f, const Cell& c) {
+  const double tm = 0.5 * (c.t0 + c.t1), th = 0.5 * (c.t1 - c.t0);
+  const double pm = 0.5 * (c.phi0 + c.phi1), ph = 0.5 * (c.phi1 - c.phi0);
+  double sum = 0;
+  for (int i = 0; i < 6; ++i) {
+    const double t = tm + (i % 2 ? th : -th) * kGaussNodes[i / 2];
+    for (int j = 0; j < 6; ++j) {
+      const double phi = pm + (j % 2 ? ph : -ph) * kGaussNodes[j / 2];
+      sum += kGaussWeights[i / 2] * kGaussWeights[j / 2] * f(Polar{t, phi});
+    }
+  }
+  return sum * th * ph;
+}
+
+/// Quarters the cell until that no longer changes the integral by `tolerance`.
+template <typename Function>
+double Integrate(const Function& f, const Cell& c, double whole, double tolerance, int depth) {
+  const double tm = 0.5 * (c.t0 + c.t1), pm = 0.5 * (c.phi0 + c.phi1);
+  const Cell parts[4] = {{c.t0, tm, c.phi0, pm},
+                         {c.t0, tm, pm, c.phi1},
+                         {tm, c.t1, c.phi0, pm},
+                         {tm, c.t1, pm, c.phi1}};
+  double values[4], sum = 0;
+  for (int i = 0; i < 4; ++i) sum += values[i] = Quadrature(f, parts[i]);
+  if (depth == 0 || std::fabs(sum - whole) < tolerance) return sum;
+  sum = 0;
+  for (int i = 0; i < 4; ++i) sum += Integrate(f, parts[i], values[i], 0.5 * tolerance, depth - 1);
+  return sum;
+}
+
+/// Splits intervals until none is more than four times as wide as a neighbour, so that quadrature
+/// finds the flanks of a narrow lobe.
+inline std::vector<double> Grade(std::vector<double> edges) {
+  for (size_t i = 0; i + 1 < edges.size();) {
+    const double width = edges[i + 1] - edges[i];
+    const double before = i > 0 ? edges[i] - edges[i - 1] : width;
+    const double after = i + 2 < edges.size() ? edges[i + 2] - edges[i + 1] : width;
+    if (width <= 4 * std::min(before, after)) {
+      ++i;
+      continue;
+    }
+    const double split = before < after ? edges[i] + 2 * before : edges[i + 1] - 2 * after;
+    edges.insert(edges.begin() + static_cast<std::ptrdiff_t>(i) + 1, split);
+    // The part next to this may now be too wide for the one before it.
+    if (i > 0) --i;
+  }
+  return edges;
+}
+
+/// Edges that part values into `count` groups of equal size, with the range's ends, graded.
+inline std::vector<double> QuantileEdges(std::vector<double> values, int count, double low,
+                                         double high) {
+  std::sort(values.begin(), values.end());
+  std::vector<double> edges = {low};
+  // Rounded directions have few different values close to each other.
+  const double least = 1e-10 * (high - low);
+  for (int i = 1; i < count && !values.empty(); ++i) {
+    const double edge = values[values.size() * i / count];
+    if (edge > edges.back() + least && edge < high - least) edges.push_back(edge);
+  }
+  edges.push_back(high);
+  return Grade(std::move(edges));
+}
+inline int FindCell(const std::vector<double>& edges, double x) {
+  const auto it = std::upper_bound(edges.begin(), edges.end(), x);
+  return std::clamp(static_cast<int>(it - edges.begin()) - 1, 0,
+                    static_cast<int>(edges.size()) - 2);
+}
+
+}  // namespace direction_test_detail
+
+/// `sample` draws a direction, or none (which must happen with one minus the integral of `pdf`, the
+/// density by solid angle). `samples` are tested after a pilot of a tenth as many.
+template <typename Sample, typename Pdf>
+DirectionTestResult TestDirections(const Sample& sample, const Pdf& pdf, int samples) {
+  using namespace direction_test_detail;
+  constexpr int kRings = 12, kSectors = 12;
+
+  std::vector<Polar> pilot[2];
+  for (int i = 0; i < samples / 10; ++i) {
+    if (const std::optional<Vec3f> w = sample()) pilot[w->z > 0].push_back(ToPolar(*w));
+  }
+  struct Hemisphere {
+    std::vector<double> rings;
+    std::vector<std::vector<double>> sectors;
+    std::vector<int> first;  ///< Cell number of each ring's first sector.
+  };
+  Hemisphere hemispheres[2];
+  std::vector<double> expected;
+  double integral = 0;
+  for (const int side : {0, 1}) {
+    Hemisphere& hemisphere = hemispheres[side];
+    std::vector<double> heights;
+    for (const Polar& p : pilot[side]) heights.push_back(p.t);
+    hemisphere.rings = QuantileEdges(heights, kRings, 0, 1);
+    const int rings = static_cast<int>(hemisphere.rings.size()) - 1;
+    std::vector<std::vector<double>> angles(rings);
+    for (const Polar& p : pilot[side]) angles[FindCell(hemisphere.rings, p.t)].push_back(p.phi);
+    const auto density = [&](Polar p) { return static_cast<double>(pdf(FromPolar(p, side == 1))); };
+    for (int ring = 0; ring < rings; ++ring) {
+      hemisphere.sectors.push_back(
+          QuantileEdges(angles[ring], kSectors, -std::numbers::pi, std::numbers::pi));
+      hemisphere.first.push_back(static_cast<int>(expected.size()));
+      const std::vector<double>& edges = hemisphere.sectors.back();
+      for (size_t s = 0; s + 1 < edges.size(); ++s) {
+        const Cell cell = {hemisphere.rings[ring], hemisphere.rings[ring + 1], edges[s],
+                           edges[s + 1]};
+        const double mass = Integrate(density, cell, Quadrature(density, cell), 1e-6, 12);
+        integral += mass;
+        expected.push_back(mass * samples);
+      }
+    }
+  }
+  expected.push_back(samples * std::max(0.0, 1 - integral));
+
+  std::vector<double> observed(expected.size(), 0.0);
+  for (int i = 0; i < samples; ++i) {
+    const std::optional<Vec3f> w = sample();
+    if (!w) {
+      ++observed.back();
+      continue;
+    }
+    const Polar p = ToPolar(*w);
+    const Hemisphere& hemisphere = hemispheres[w->z > 0];
+    const int ring = FindCell(hemisphere.rings, p.t);
+    ++observed[hemisphere.first[ring] + FindCell(hemisphere.sectors[ring], p.phi)];
+  }
+  // Nothing may be missing that the density has: rounding of the integral is no expectation.
+  if (expected.back() < 0.001 * std::sqrt(static_cast<double>(samples)) + 5 &&
+      observed.back() < 5) {
+    expected.pop_back();
+    observed.pop_back();
+  }
+  return {ChiSquareTest(observed, expected), integral};
+}
+
+}  // namespace strata
