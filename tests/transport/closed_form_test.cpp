@@ -85,7 +85,7 @@ TEST(FurnaceTest, MirrorSphereSeenFromItsCenter) {
   scene.Sphere({0, 0, 0}, 1, scene.Material(ConductorMaterial{.reflectance = reflectance}),
                Emits(1), true);
   scene.Camera({0, 0, 0}, {0, 0, 1}, 70);
-  ExpectMean(RenderFrame(BuildScene(scene), TestSpec(16, 64, 1000)), 4);
+  ExpectMean(RenderFrame(BuildScene(scene), TestSpec(16, 256, 1000)), 4, 0.03);
 }
 
 TEST(FurnaceTest, TranslucentSphereTakesInTheSky) {
@@ -98,7 +98,7 @@ TEST(FurnaceTest, TranslucentSphereTakesInTheSky) {
       Emits(0.25f), true);
   scene.Light(ConstantInfiniteLightDescription{Rgb::Gray(2)});
   scene.Camera({0.3f, 0, 0}, {0, 0, 1}, 70);
-  ExpectMean(RenderFrame(BuildScene(scene), TestSpec(16, 128, 1000)), (0.25 + 0.3 * 2) / 0.5);
+  ExpectMean(RenderFrame(BuildScene(scene), TestSpec(16, 128, 1000)), (0.25 + 0.3 * 2) / 0.5, 0.02);
 }
 
 TEST(FurnaceTest, ClearBodiesVanishInAUniformSky) {

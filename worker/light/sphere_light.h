@@ -30,6 +30,14 @@ inline Vec3f PointError(const SphereLight& light, Vec3f n) {
   return (Abs(light.center) + Abs(n) * light.radius) * (6 * 0x1p-24f);
 }
 
+/// A point on the sphere may round to either side of it, so the cone keeps a distance from points
+/// that the inside lights.
+inline bool IsSampledByArea(const SphereLight& light, float distance2) {
+  if (light.inward && !light.two_sided) return true;
+  const float margin = light.two_sided ? 1.001f : 1;
+  return distance2 <= light.radius * light.radius * margin;
+}
+
 inline float PdfArea(const SphereLight& light) {
   return 1 / (4 * kPi * light.radius * light.radius);
 }
@@ -37,7 +45,7 @@ inline float PdfArea(const SphereLight& light) {
 /// `n` points away from the center.
 inline Vec3f OuterNormal(const SphereLight& light, Vec3f n) { return light.inward ? -n : n; }
 
-inline std::optional<LightSample> SampleFromInside(const SphereLight& light, Vec3f from, Vec2f u) {
+inline std::optional<LightSample> SampleByArea(const SphereLight& light, Vec3f from, Vec2f u) {
   const Vec3f n = SampleUniformSphere(u);
   const Vec3f p = light.center + n * light.radius;
   const Vec3f to_light = p - from;
@@ -58,7 +66,7 @@ inline std::optional<LightSample> SampleFromInside(const SphereLight& light, Vec
 inline float PdfLi(const SphereLight& light, Vec3f from, const EmissionHit& hit) {
   const float distance2 = LengthSquared(light.center - from);
   const float radius2 = light.radius * light.radius;
-  if (distance2 <= radius2)
+  if (sphere_light_detail::IsSampledByArea(light, distance2))
     return AreaToSolidAngle(sphere_light_detail::PdfArea(light), hit.ng, hit.wi,
                             hit.distance * hit.distance);
   return UniformConePdf(OneMinusCosFromSinSquared(radius2 / distance2));
@@ -68,7 +76,8 @@ inline std::optional<LightSample> SampleLi(const SphereLight& light, Vec3f from,
   const Vec3f to_center = light.center - from;
   const float distance2 = LengthSquared(to_center);
   const float radius2 = light.radius * light.radius;
-  if (distance2 <= radius2) return sphere_light_detail::SampleFromInside(light, from, u);
+  if (sphere_light_detail::IsSampledByArea(light, distance2))
+    return sphere_light_detail::SampleByArea(light, from, u);
 
   const float one_minus_cos_max = OneMinusCosFromSinSquared(radius2 / distance2);
   const Vec3f local = SampleUniformCone(u, one_minus_cos_max);
