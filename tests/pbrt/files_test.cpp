@@ -1,0 +1,167 @@
+// Where the files of a scene are found, and that none is read from outside its root.
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "common/bundle.h"
+#include "tests/pbrt/scene_folder.h"
+
+namespace strata {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string Message(const absl::Status& status) { return std::string(status.message()); }
+
+TEST(BundlePath, IsRelativeAndPlain) {
+  for (const char* path : {"scene.pbrt", "a/b.ply", "a b/c", ".hidden", "a..b"}) {
+    EXPECT_TRUE(IsBundlePath(path)) << path;
+  }
+  for (const char* path : {"", "/a", "a/", "a//b", ".", "./a", "a/..", "../a", "a/../b", "a\nb"}) {
+    EXPECT_FALSE(IsBundlePath(path)) << path;
+  }
+}
+
+TEST(BundlePath, IsResolvedAgainstTheSceneFolder) {
+  EXPECT_EQ(*ResolveBundlePath("", "a.ply"), "a.ply");
+  EXPECT_EQ(*ResolveBundlePath("scenes/box", "./models/../a.ply"), "scenes/box/a.ply");
+  EXPECT_EQ(*ResolveBundlePath("scenes/box", "../a.ply"), "scenes/a.ply");
+  EXPECT_FALSE(ResolveBundlePath("scenes/box", "../../../a.ply").ok());
+  EXPECT_FALSE(ResolveBundlePath("scenes", "/etc/passwd").ok());
+  EXPECT_FALSE(ResolveBundlePath("scenes", "").ok());
+  EXPECT_FALSE(ResolveBundlePath("scenes", "..").ok());
+}
+
+TEST(SceneFiles, AreListedOnceAndSorted) {
+  SceneFolder folder;
+  folder.Write("box/scene.pbrt",
+               "Include \"parts/frame.pbrt\" WorldBegin Include \"parts/world.pbrt\" Include "
+               "\"parts/world.pbrt\"");
+  folder.Write("box/parts/frame.pbrt", "Film \"rgb\" \"integer xresolution\" 7");
+  // Files are named relative to the main file's folder, wherever they are included from.
+  folder.Write("box/parts/world.pbrt",
+               "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]\n"
+               "Material \"diffuse\" \"spectrum reflectance\" \"../gray.spd\"");
+  folder.Write("gray.spd", "# gray\n360 0.5\n830 0.5\n");
+  const absl::StatusOr<PbrtScene> scene = folder.Read("box/scene.pbrt");
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  EXPECT_EQ(scene->files, (std::vector<std::string>{"box/parts/frame.pbrt", "box/parts/world.pbrt",
+                                                    "box/scene.pbrt", "gray.spd"}));
+  EXPECT_EQ(scene->scene.defaults.width, 7);
+  EXPECT_EQ(scene->scene.shapes.size(), 2u);
+}
+
+TEST(SceneFiles, OutsideTheRootAreRefused) {
+  SceneFolder folder;
+  folder.Write("outside.pbrt", "WorldBegin");
+  folder.Write("root/scene.pbrt", "Include \"../outside.pbrt\"");
+  folder.Write("root/absolute.pbrt",
+               "\nInclude \"" + (folder.root() / "outside.pbrt").string() + "\"");
+  folder.Write("root/linked.pbrt", "\n\nInclude \"link.pbrt\"");
+  fs::create_symlink("../outside.pbrt", folder.root() / "root/link.pbrt");
+  fs::create_symlink("scene2.pbrt", folder.root() / "root/inner.pbrt");
+  folder.Write("root/scene2.pbrt", "WorldBegin");
+  const DirectorySource source(folder.root() / "root");
+
+  EXPECT_EQ(Message(ReadPbrt(source, "scene.pbrt").status()).find("scene.pbrt:1: "), 0u);
+  EXPECT_EQ(Message(ReadPbrt(source, "absolute.pbrt").status()).find("absolute.pbrt:2: "), 0u);
+  const absl::Status linked = ReadPbrt(source, "linked.pbrt").status();
+  EXPECT_EQ(linked.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(Message(linked).find("linked.pbrt:3: "), 0u) << linked;
+  EXPECT_FALSE(ReadPbrt(source, "../outside.pbrt").ok());
+  // A link that stays inside is as good as the file.
+  EXPECT_TRUE(ReadPbrt(source, "inner.pbrt").ok());
+}
+
+TEST(SceneFiles, MissingOnesAreNotFound) {
+  SceneFolder folder;
+  folder.Write("scene.pbrt", "\nInclude \"gone.pbrt\"");
+  folder.Write("folder/file", "");
+  EXPECT_EQ(folder.Read("nothing.pbrt").status().code(), absl::StatusCode::kNotFound);
+  const absl::Status status = folder.Read().status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kNotFound);
+  EXPECT_EQ(Message(status).find("scene.pbrt:2: "), 0u) << status;
+  EXPECT_EQ(folder.Read("folder").status().code(), absl::StatusCode::kInvalidArgument);
+}
+
+TEST(SceneFiles, CyclesAreTold) {
+  SceneFolder folder;
+  folder.Write("self.pbrt", "WorldBegin\nInclude \"self.pbrt\"");
+  EXPECT_EQ(Message(folder.Read("self.pbrt").status()),
+            "self.pbrt:2: \"self.pbrt\" includes itself");
+  folder.Write("a.pbrt", "Include \"b.pbrt\"");
+  folder.Write("b.pbrt", "\nInclude \"./x/../a.pbrt\"");
+  fs::create_directory(folder.root() / "x");
+  EXPECT_EQ(Message(folder.Read("a.pbrt").status()), "b.pbrt:2: \"a.pbrt\" includes itself");
+  folder.Write("c.pbrt", "WorldBegin Import \"d.pbrt\"");
+  folder.Write("d.pbrt", "Import \"c.pbrt\"");
+  EXPECT_EQ(Message(folder.Read("c.pbrt").status()), "d.pbrt:1: \"c.pbrt\" includes itself");
+}
+
+TEST(SceneFiles, DeepIncludesAreTold) {
+  SceneFolder folder;
+  for (int i = 0; i < 100; ++i) {
+    folder.Write(std::to_string(i), "Include \"" + std::to_string(i + 1) + "\"");
+  }
+  folder.Write("100", "");
+  EXPECT_NE(Message(folder.Read("0").status()).find("deep"), std::string::npos);
+}
+
+TEST(SceneFiles, AnImportedFileKeepsItsStateToItself) {
+  SceneFolder folder;
+  folder.Write("scene.pbrt", "WorldBegin Translate 1 0 0 Import \"part.pbrt\" Shape \"sphere\"");
+  folder.Write("part.pbrt",
+               "Translate 0 2 0 ReverseOrientation Shape \"sphere\"\n"
+               "MakeNamedMaterial \"m\" \"string type\" \"interface\"");
+  const absl::StatusOr<PbrtScene> scene = folder.Read();
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  ASSERT_EQ(scene->scene.shapes.size(), 2u);
+  EXPECT_EQ(scene->scene.shapes[0].to_world, Transform::Translate(1, 2, 0));
+  EXPECT_TRUE(scene->scene.shapes[0].reverse_orientation);
+  EXPECT_EQ(scene->scene.shapes[1].to_world, Transform::Translate(1, 0, 0));
+  EXPECT_FALSE(scene->scene.shapes[1].reverse_orientation);
+
+  folder.Write("part.pbrt", "\nAttributeBegin");
+  EXPECT_EQ(Message(folder.Read().status()).find("part.pbrt:2: "), 0u);
+  folder.Write("scene.pbrt", "WorldBegin AttributeBegin Import \"part.pbrt\" AttributeEnd");
+  folder.Write("part.pbrt", "AttributeEnd");
+  EXPECT_EQ(Message(folder.Read().status()).find("part.pbrt:1: "), 0u);
+}
+
+TEST(Bundles, NameTheirContent) {
+  SceneFolder folder;
+  folder.Write("scene.pbrt", "WorldBegin");
+  folder.Write("a.ply", "one");
+  const DirectorySource source(folder.root());
+  const absl::StatusOr<Bundle> bundle = MakeBundle(source, "scene.pbrt", {"scene.pbrt", "a.ply"});
+  ASSERT_TRUE(bundle.ok()) << bundle.status();
+  ASSERT_EQ(bundle->files.size(), 2u);
+  EXPECT_EQ(bundle->files[0].path, "a.ply");
+  EXPECT_EQ(bundle->files[0].bytes, 3u);
+  EXPECT_EQ(bundle->files[0].digest, DigestOf("one"));
+
+  const Digest digest = BundleDigest(*bundle);
+  folder.Write("a.ply", "two");
+  EXPECT_NE(BundleDigest(*MakeBundle(source, "scene.pbrt", {"a.ply", "scene.pbrt"})), digest);
+  folder.Write("a.ply", "one");
+  EXPECT_EQ(BundleDigest(*MakeBundle(source, "scene.pbrt", {"a.ply", "scene.pbrt"})), digest);
+  // Another main file of the same files is another scene.
+  EXPECT_NE(BundleDigest(*MakeBundle(source, "a.ply", {"a.ply", "scene.pbrt"})), digest);
+  EXPECT_FALSE(MakeBundle(source, "scene.pbrt", {"gone", "scene.pbrt"}).ok());
+}
+
+TEST(Bundles, AreCheckedAtTheEdge) {
+  Bundle bundle{"b", {{"a", {}, 1}, {"b", {}, 2}}};
+  EXPECT_TRUE(ValidateBundle(bundle).ok());
+  std::swap(bundle.files[0], bundle.files[1]);
+  EXPECT_FALSE(ValidateBundle(bundle).ok());
+  EXPECT_FALSE(ValidateBundle({"b", {{"b", {}, 1}, {"b", {}, 1}}}).ok());
+  EXPECT_FALSE(ValidateBundle({"c", {{"a", {}, 1}}}).ok());
+  EXPECT_FALSE(ValidateBundle({"", {}}).ok());
+  EXPECT_FALSE(ValidateBundle({"../b", {{"../b", {}, 1}}}).ok());
+  EXPECT_FALSE(ValidateBundle({"/b", {{"/b", {}, 1}}}).ok());
+}
+
+}  // namespace
+}  // namespace strata
