@@ -65,6 +65,7 @@ void Farm::State::RefusePartial(const std::string& worker, const JobId& id, cons
 void Farm::State::CountFailure(JobRecord& job, const std::string& worker, const UnitId& unit,
                                const std::string& reason, const std::string& replay,
                                SteadyTime now) {
+  if (leases.Holders(job.id, unit) == 0) job.queue->Return(unit);
   UnitTrouble& trouble = job.troubles[unit];
   trouble.workers.push_back(worker);
   trouble.reason = reason;
@@ -77,8 +78,6 @@ void Farm::State::CountFailure(JobRecord& job, const std::string& worker, const 
            fmt::format("{} failed {} times: {}", UnitText(unit), trouble.workers.size(),
                        WithReplay(reason, trouble.replay)),
            now);
-  } else if (leases.Holders(job.id, unit) == 0) {
-    job.queue->Return(unit);
   }
 }
 
@@ -106,21 +105,17 @@ void Farm::State::CountJobFailure(JobRecord& job, const std::string& worker,
 
 void Farm::State::LoseLeases(WorkerRecord& worker, const std::string& reason, SteadyTime now) {
   const std::vector<LeaseRecord> lost = leases.RemoveWorker(worker.id);
-  for (size_t i = 0; i < lost.size(); ++i) {
-    const auto entry = jobs.find(lost[i].job);
-    if (entry == jobs.end() || IsFinal(entry->second->state)) continue;
-    JobRecord& job = *entry->second;
-    for (size_t k = 0; k < lost[i].units.size() && !IsFinal(job.state); ++k) {
-      const UnitId& unit = lost[i].units[k];
+  bool rendering = !worker.draining;  // The first unit of the oldest lease.
+  for (const LeaseRecord& lease : lost) {
+    worker.link->Send(CancelLease{lease.id});
+    JobRecord& job = *jobs.at(lease.job);
+    for (const UnitId& unit : lease.units) {
+      const bool was_rendered = std::exchange(rendering, false);
       if (leases.Holders(job.id, unit) > 0) continue;  // A duplicate goes on.
-      if (i == 0 && k == 0) {
-        // The one it was rendering.
-        CountFailure(job, worker.id, unit, reason, "", now);
-      } else {
-        job.queue->Return(unit);
-      }
+      job.queue->Return(unit);
+      if (!worker.draining) job.troubles.try_emplace(unit);
+      if (was_rendered) CountFailure(job, worker.id, unit, reason, "", now);
     }
-    worker.link->Send(CancelLease{lost[i].id});
   }
 }
 

@@ -129,10 +129,6 @@ absl::Status Farm::State::Prepare(JobRecord& job) {
     STRATA_ASSIGN_OR_RETURN(job.film->film, Film::Create(FilmPath(options, job.id), geometry));
     job.film->changed.resize(geometry.grid.Count());
   }
-  {
-    MutexLock lock(job.film->summary_mutex);
-    job.film->summary = std::make_unique<SummaryInput>(geometry.grid);
-  }
   return StartRound(job, *PlanUniform(job.spec, 0));
 }
 

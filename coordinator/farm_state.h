@@ -40,10 +40,13 @@ struct JobFilm {
 /// for one tile at a time.
 FilmSummary RefreshSummary(JobFilm& film);
 
-/// A unit that failed on workers, or whose workers vanished while they rendered it. It is leased
-/// singly, so that it alone is to blame when that happens again.
+/// Gives back the memory that RefreshSummary works in; the next call estimates all tiles.
+void ReleaseSummary(JobFilm& film);
+
+/// A unit that failed on workers, or whose workers vanished with it. It is leased singly, so that
+/// it alone is to blame when that happens again.
 struct UnitTrouble {
-  std::vector<std::string> workers;  ///< One entry for each attempt.
+  std::vector<std::string> workers;  ///< One entry for each time it failed or was being rendered.
   std::string reason, replay;        ///< Of the last failure.
 };
 
@@ -71,6 +74,7 @@ struct JobRecord {
   FilmSummary summary;
   SteadyTime summarized;
   bool summary_stale = false;
+  bool summary_held = true;  ///< What figures of a job in progress are made of is in memory.
   SteadyTime published;
 
   double submitted_unix_s = 0;

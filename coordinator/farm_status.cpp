@@ -43,6 +43,10 @@ FilmSummary RefreshSummary(JobFilm& film) {
   {
     MutexLock lock(film.mutex);
     grid = film.film->geometry().grid;
+    if (!film.summary) {
+      film.summary = std::make_unique<SummaryInput>(grid);
+      film.changed.assign(film.changed.size(), true);
+    }
     touched = WithNeighbours(film.changed, grid);
     film.changed.assign(film.changed.size(), false);
   }
@@ -56,6 +60,11 @@ FilmSummary RefreshSummary(JobFilm& film) {
     film.summary->Update(tile, Estimate(input));
   }
   return film.summary->Summarize();
+}
+
+void ReleaseSummary(JobFilm& film) {
+  MutexLock lock(film.summary_mutex);
+  film.summary.reset();
 }
 
 JobStatus Farm::State::StatusOf(const JobRecord& job) const {

@@ -109,6 +109,7 @@ void Farm::State::ExpireSilent(SteadyTime now) {
 
 void Farm::Tick(SteadyTime now) {
   std::vector<std::pair<JobId, std::shared_ptr<JobFilm>>> to_summarize;
+  std::vector<std::shared_ptr<JobFilm>> to_release;
   std::vector<JobId> to_publish;
   {
     MutexLock lock(state_->mutex);
@@ -123,7 +124,11 @@ void Farm::Tick(SteadyTime now) {
           now - job->summarized >= SummaryPeriod(job->spec)) {
         job->summarized = now;
         job->summary_stale = false;
+        job->summary_held = true;
         to_summarize.emplace_back(id, job->film);
+      }
+      if (IsFinal(job->state) && std::exchange(job->summary_held, false)) {
+        to_release.push_back(job->film);
       }
       if (now - job->published >= kPublishPeriod && state_->subscriptions.Any(id)) {
         job->published = now;
@@ -137,6 +142,7 @@ void Farm::Tick(SteadyTime now) {
     const absl::StatusOr<JobRecord*> job = state_->Find(id);
     if (job.ok() && !IsFinal((*job)->state)) (*job)->summary = summary;
   }
+  for (const auto& film : to_release) ReleaseSummary(*film);
   for (const JobId& job : to_publish) state_->Publish(job);
 }
 

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <atomic>
+#include <algorithm>
 #include <system_error>
 #include <utility>
 
@@ -36,13 +36,12 @@ bool FileStore::Contains(const Digest& digest) const {
 
 absl::StatusOr<std::unique_ptr<FileStore::Upload>> FileStore::BeginUpload(const Digest& digest,
                                                                           uint64_t bytes) const {
-  static std::atomic<uint64_t> serial{0};
   const std::filesystem::path target = PathOf(digest);
   std::error_code error;
   std::filesystem::create_directories(target.parent_path(), error);
   if (error) return FileError(target.parent_path(), error.message());
   const std::filesystem::path temporary =
-      directory_ / "incoming" / fmt::format("{}.{}", digest.Hex(), ++serial);
+      directory_ / "incoming" / fmt::format("{}.{}", digest.Hex(), ++*serial_);
   std::unique_ptr<Upload> upload(new Upload(temporary, target, digest, bytes));
   if (!upload->file_) return FileError(temporary, "cannot be created");
   return upload;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -57,6 +58,8 @@ class FileStore {
   std::filesystem::path PathOf(const Digest& digest) const;
 
   std::filesystem::path directory_;
+  std::unique_ptr<std::atomic<uint64_t>> serial_ =
+      std::make_unique<std::atomic<uint64_t>>(0);  ///< Keeps the names of uploads apart.
 };
 
 }  // namespace strata

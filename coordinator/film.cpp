@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <cstring>
 #include <string_view>
+#include <system_error>
 
 #include "coordinator/pixel_merge.h"
 
@@ -112,6 +113,14 @@ absl::StatusOr<std::byte*> Map(int fd, size_t bytes, const std::filesystem::path
 
 /// Reserves the file's space where the file system can; elsewhere the file stays sparse.
 absl::Status Reserve(int fd, size_t bytes, const std::filesystem::path& path) {
+  std::error_code error;
+  const std::filesystem::space_info space = std::filesystem::space(path.parent_path(), error);
+  if (!error && space.available < bytes) {
+    return absl::ResourceExhaustedError(
+        fmt::format("{}: the film needs {} bytes and the disk has {} left; free some or render "
+                    "less of the frame",
+                    path.string(), bytes, space.available));
+  }
   if (fallocate(fd, 0, 0, static_cast<off_t>(bytes)) == 0) return absl::OkStatus();
   if (errno != EOPNOTSUPP) return FileError(path, fmt::format("no room for {} bytes", bytes));
   if (ftruncate(fd, static_cast<off_t>(bytes)) == 0) return absl::OkStatus();
@@ -125,7 +134,10 @@ absl::StatusOr<std::unique_ptr<Film>> Film::Create(const std::filesystem::path& 
   const Descriptor file{open(path.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0644)};
   if (file.fd < 0) return FileError(path, "cannot be created");
   const FileHeader header = HeaderOf(geometry);
-  STRATA_RETURN_IF_ERROR(Reserve(file.fd, header.file_bytes, path));
+  if (const absl::Status status = Reserve(file.fd, header.file_bytes, path); !status.ok()) {
+    unlink(path.c_str());
+    return status;
+  }
   STRATA_ASSIGN_OR_RETURN(std::byte * data, Map(file.fd, header.file_bytes, path));
   std::memcpy(data, &header, sizeof(header));
   return std::unique_ptr<Film>(new Film(data, header.file_bytes, geometry));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <gtest/gtest.h>
+#include <spdlog/spdlog.h>
 
 #include <deque>
 #include <filesystem>
@@ -151,6 +152,7 @@ class FakeWorker {
 class FarmTest : public ::testing::Test {
  protected:
   void SetUp() override {
+    spdlog::set_level(spdlog::level::err);
     FarmOptions options;
     options.state_dir = directory_.path();
     options.build = "test";
