@@ -63,6 +63,22 @@ inline ShapeDescription Shape(ShapeGeometry geometry, const Transform& to_world 
   return shape;
 }
 
+inline InstanceDescription InstanceOf(int32_t object, const Transform& to_world) {
+  InstanceDescription instance;
+  instance.where.file = "scene.pbrt";
+  instance.where.line = 12;
+  instance.object = object;
+  instance.to_world = to_world;
+  return instance;
+}
+
+inline ObjectDescription ObjectOf(std::vector<ShapeDescription> shapes) {
+  ObjectDescription object;
+  object.name = "object";
+  object.shapes = std::move(shapes);
+  return object;
+}
+
 inline std::unique_ptr<Geometry> MustBuild(const SceneDescription& scene) {
   absl::StatusOr<std::unique_ptr<Geometry>> geometry = Geometry::Build(scene);
   EXPECT_TRUE(geometry.ok()) << geometry.status();

@@ -122,9 +122,8 @@ TEST(SelfIntersection, RaysLeaveInstances) {
            {Shape(trial & 1 ? ShapeGeometry(SphereMesh(20)) : ShapeGeometry(SphereShape{}),
                   inner)}});
       const Transform outer = RandomAffine(random, scale);
-      scene.instances.push_back({{"scene.pbrt", 9}, 0, outer});
-      scene.instances.push_back(
-          {{"scene.pbrt", 10}, 0, Transform::Translate(1000 * scale, 0, 0) * outer});
+      scene.instances.push_back(InstanceOf(0, outer));
+      scene.instances.push_back(InstanceOf(0, Transform::Translate(1000 * scale, 0, 0) * outer));
       const auto geometry = MustBuild(scene);
       const Count count = LeaveConvex(*geometry, outer * inner, 20000, 43 + trial);
       SCOPED_TRACE(scale);
