@@ -78,7 +78,9 @@ TEST(Filter, WeightsAverageToOne) {
     EXPECT_NEAR(sum * kStride / kSteps, 1, 2e-4) << ToString(spec.kind);
     EXPECT_NEAR(offset * kStride / kSteps, 0, 5e-4) << ToString(spec.kind);
     // Non-negative filters have weight exactly 1.
-    if (spec.kind != FilterKind::kMitchell) EXPECT_EQ(axis.Sample(0.3f).weight, 1);
+    if (spec.kind != FilterKind::kMitchell) {
+      EXPECT_EQ(axis.Sample(0.3f).weight, 1);
+    }
   }
 }
 

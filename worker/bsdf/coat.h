@@ -1,9 +1,9 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
+#include "worker/bsdf/albedo_table.h"
 #include "worker/bsdf/fresnel.h"
 #include "worker/bsdf/ggx.h"
 #include "worker/math/elementary.h"
@@ -18,9 +18,13 @@ class CoatInterface {
 
   float eta() const { return eta_; }
   /// Directional albedo of the GGX reflection of the border, alpha = 1e-3..1.
-  float RoughReflectance(float cos_theta, float alpha) const;
+  float RoughReflectance(float cos_theta, float alpha) const {
+    return reflectance_.At(cos_theta, alpha);
+  }
   /// Cosine-weighted mean of the reflectance over the hemisphere; alpha 0 is the smooth border.
-  float MeanReflectance(float alpha) const;
+  float MeanReflectance(float alpha) const {
+    return alpha == 0 ? smooth_mean_ : reflectance_.Mean(alpha);
+  }
   /// Mean path through the layer, in units of its thickness, of diffuse light from below that the
   /// border sends back.
   float internal_path() const { return internal_path_; }
@@ -28,12 +32,10 @@ class CoatInterface {
   float escaping_path() const { return escaping_path_; }
 
  private:
-  static constexpr int kAlphas = 17, kCosines = 33;
-
   float eta_;
+  float smooth_mean_;
   float internal_path_, escaping_path_;
-  std::array<float, kAlphas> mean_;  ///< At sqrt(alpha) = i / (kAlphas - 1).
-  std::array<std::array<float, kCosines>, kAlphas> reflectance_;  ///< At sqrt(cos) likewise.
+  AlbedoTable reflectance_;
 };
 
 /// A dielectric layer over a base: its border above (smooth or GGX) and what it absorbs.
@@ -65,6 +67,11 @@ inline Rgb CoatTransmittance(const Coat& coat, float length) {
   return {Exp(-coat.optical_depth.r * length), Exp(-coat.optical_depth.g * length),
           Exp(-coat.optical_depth.b * length)};
 }
+
+/// Of the light that enters a smooth coat from a cosine, over a metal of roughness alpha that
+/// reflects all, the part that CoatedConductorBsdf's lobe does not bring out again: the metal sends
+/// it beyond the critical angle, or its microfacets hide it.
+AlbedoTable TabulateTrappedLight(float eta);
 
 /// Reflection off a rough border, as a microfacet BRDF times |cos|; both directions above.
 inline float EvalCoatBorder(const Coat& coat, Vec3f wo, Vec3f wi) {

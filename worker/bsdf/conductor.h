@@ -49,7 +49,8 @@ inline std::optional<BsdfSample> Sample(const ConductorBsdf& bsdf, Vec3f wo, flo
   return BsdfSample{.wi = wi, .weight = weight, .pdf = pdf};
 }
 
-/// That of the smooth metal.
+/// That of the smooth metal, an upper bound: at alpha 1 and normal incidence single scattering
+/// returns but 1 - ln 2 of it.
 inline Rgb Albedo(const ConductorBsdf& bsdf, Vec3f wo) {
   return FresnelConductor(std::fabs(wo.z), bsdf.eta, bsdf.k);
 }

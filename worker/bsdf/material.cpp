@@ -95,6 +95,7 @@ Rgb AtLeast(Rgb c, float least) {
 struct Lookup {
   const TextureSet& textures;
   const std::map<float, CoatInterface>& coats;
+  const std::map<float, AlbedoTable>& trapped_light;
   Vec2f uv;
   Vec3f p;
 
@@ -151,7 +152,8 @@ struct Lookup {
     const float inverse_eta = 1 / m.interface_eta;
     return CoatedConductorBsdf(
         CoatOf(m.interface_eta, m.interface_roughness, kConductorCoatThickness, kNoTexture),
-        metal.eta * inverse_eta, metal.k * inverse_eta, Microfacets(m.conductor_roughness));
+        &trapped_light.at(m.interface_eta), metal.eta * inverse_eta, metal.k * inverse_eta,
+        Microfacets(m.conductor_roughness));
   }
   Bsdf operator()(const DiffuseTransmissionMaterial& m) const {
     return DiffuseTransmissionBsdf{Clamp01(Color(m.reflectance) * m.scale),
@@ -187,6 +189,10 @@ absl::StatusOr<std::unique_ptr<MaterialSet>> MaterialSet::Build(
   for (MaterialId id = 0; id < count; ++id) {
     if (!MixesEnd(materials, id, seen)) return error(id, "the mix contains itself");
     if (const float eta = CoatEta(materials[id]); eta != 0) set->coats_.try_emplace(eta, eta);
+    if (const auto* m = std::get_if<CoatedConductorMaterial>(&materials[id]);
+        m && !set->trapped_light_.contains(m->interface_eta)) {
+      set->trapped_light_.emplace(m->interface_eta, TabulateTrappedLight(m->interface_eta));
+    }
   }
   set->materials_ = std::move(materials);
   for (const MaterialDescription& material : set->materials_) {
@@ -196,7 +202,8 @@ absl::StatusOr<std::unique_ptr<MaterialSet>> MaterialSet::Build(
                      std::all_of(used.begin(), used.end(), [&](TextureId id) {
                        return id == kNoTexture || textures.IsConstant(id);
                      });
-    if (entry.constant) entry.bsdf = std::visit(Lookup{textures, set->coats_, {}, {}}, material);
+    if (entry.constant)
+      entry.bsdf = std::visit(Lookup{textures, set->coats_, set->trapped_light_, {}, {}}, material);
     set->entries_.push_back(entry);
   }
   return set;
@@ -212,7 +219,7 @@ Bsdf MaterialSet::EvaluateTextured(MaterialId id, Vec2f uv, Vec3f p, float u_mix
   }
   const Entry& entry = entries_[id];
   if (entry.constant) return entry.bsdf;
-  return std::visit(Lookup{textures_, coats_, uv, p}, materials_[id]);
+  return std::visit(Lookup{textures_, coats_, trapped_light_, uv, p}, materials_[id]);
 }
 
 }  // namespace strata

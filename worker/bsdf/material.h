@@ -44,7 +44,8 @@ class MaterialSet {
   const TextureSet& textures_;
   std::vector<MaterialDescription> materials_;
   std::vector<Entry> entries_;
-  std::map<float, CoatInterface> coats_;  ///< By index of refraction.
+  std::map<float, CoatInterface> coats_;        ///< By index of refraction.
+  std::map<float, AlbedoTable> trapped_light_;  ///< Of coats over metals, likewise.
 };
 
 }  // namespace strata

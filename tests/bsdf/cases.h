@@ -1,0 +1,85 @@
+#pragma once
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "worker/bsdf/bsdf.h"
+#include "worker/math/elementary.h"
+
+namespace strata {
+
+/// A BSDF under test; coats point to interfaces that live as long as the program.
+struct BsdfCase {
+  std::string name;
+  Bsdf bsdf;
+};
+
+inline const CoatInterface& TestCoatInterface() {
+  static const CoatInterface interface(1.5f);
+  return interface;
+}
+
+inline const AlbedoTable* TestTrappedLight() {
+  static const AlbedoTable table = TabulateTrappedLight(1.5f);
+  return &table;
+}
+
+/// Copper near 630, 540 and 450 nm (Johnson and Christy 1972), to two digits.
+inline constexpr Rgb kCopperEta = {0.25f, 1.04f, 1.16f};
+inline constexpr Rgb kCopperK = {3.3f, 2.6f, 2.4f};
+
+inline Coat TestCoat(float alpha, Rgb optical_depth = {}) {
+  return {&TestCoatInterface(), Ggx::FromAlpha(alpha, alpha), optical_depth};
+}
+
+/// One or more of every kind.
+inline std::vector<BsdfCase> AllBsdfCases() {
+  const Rgb color = {0.8f, 0.5f, 0.2f};
+  std::vector<BsdfCase> cases = {
+      {"diffuse", DiffuseBsdf{color}},
+      {"diffuse transmission", DiffuseTransmissionBsdf{{0.5f, 0.2f, 0.1f}, {0.1f, 0.3f, 0.2f}}},
+      {"transmission alone", DiffuseTransmissionBsdf{{}, {0.1f, 0.3f, 0.2f}}},
+      {"smooth conductor", ConductorBsdf{kCopperEta, kCopperK, {}}},
+      {"anisotropic conductor", ConductorBsdf{kCopperEta, kCopperK, Ggx::FromAlpha(0.4f, 0.05f)}},
+      {"smooth dielectric", DielectricBsdf{1.5f, {}}},
+      {"dielectric of lower index", DielectricBsdf{1 / 1.33f, Ggx::FromAlpha(0.2f, 0.2f)}},
+      {"anisotropic dielectric", DielectricBsdf{1.5f, Ggx::FromAlpha(0.3f, 0.1f)}},
+      {"rough dielectric of index 1", DielectricBsdf{1, Ggx::FromAlpha(0.3f, 0.3f)}},
+      {"thin dielectric", ThinDielectricBsdf{1.5f}},
+      {"smooth coat on diffuse", CoatedDiffuseBsdf(TestCoat(0), color)},
+      {"absorbing coat on diffuse", CoatedDiffuseBsdf(TestCoat(0.1f, {0.01f, 0.3f, 1}), color)},
+      {"smooth coat on black", CoatedDiffuseBsdf(TestCoat(0), {})},
+      {"rough coat on black", CoatedDiffuseBsdf(TestCoat(0.3f), {})},
+      {"smooth coat on smooth metal",
+       CoatedConductorBsdf(TestCoat(0), TestTrappedLight(), kCopperEta, kCopperK, {})},
+      {"smooth coat on rough metal",
+       CoatedConductorBsdf(TestCoat(0, Rgb::Gray(0.01f)), TestTrappedLight(), kCopperEta, kCopperK,
+                           Ggx::FromAlpha(0.2f, 0.4f))},
+      {"rough coat on smooth metal",
+       CoatedConductorBsdf(TestCoat(0.3f), TestTrappedLight(), kCopperEta, kCopperK, {})},
+      {"rough coat on rough metal",
+       CoatedConductorBsdf(TestCoat(0.1f), TestTrappedLight(), kCopperEta, kCopperK,
+                           Ggx::FromAlpha(0.3f, 0.3f))},
+  };
+  for (const float alpha : {1e-3f, 0.01f, 0.1f, 0.5f, 1.0f}) {
+    const std::string at = " at alpha " + std::to_string(alpha);
+    const Ggx ggx = Ggx::FromAlpha(alpha, alpha);
+    cases.push_back({"conductor" + at, ConductorBsdf{kCopperEta, kCopperK, ggx}});
+    cases.push_back({"dielectric" + at, DielectricBsdf{1.5f, ggx}});
+    cases.push_back({"rough coat on diffuse" + at, CoatedDiffuseBsdf(TestCoat(alpha), color)});
+  }
+  return cases;
+}
+
+/// The direction at `degrees` from the normal, turned about it so that no axis is special.
+inline Vec3f DirectionAt(double degrees) {
+  const SinCosResult<double> theta = SinCos(Radians(degrees));
+  return {static_cast<float>(theta.sin * Cos(0.7)), static_cast<float>(theta.sin * Sin(0.7)),
+          static_cast<float>(theta.cos)};
+}
+
+/// From both sides, normal to grazing.
+inline std::vector<double> TestAngles() { return {0, 40, 75, 89.5, 115, 140, 178}; }
+
+}  // namespace strata
