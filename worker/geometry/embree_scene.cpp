@@ -93,7 +93,10 @@ Geometry::State::~State() {
 void CreateEmbreeScene(RTCDevice device, ShapeGroup* group) {
   group->scene = rtcNewScene(device);
   rtcSetSceneBuildQuality(group->scene, RTC_BUILD_QUALITY_MEDIUM);
-  rtcSetSceneFlags(group->scene, RTC_SCENE_FLAG_ROBUST);
+  // Embree's robust mode is not asked for: bench_raw_embree saw closest hits 1.5 and occlusion 2
+  // times slower with it in the Cornell box. Without it about one ray in ten million slips between
+  // two triangles of a closed mesh, far below what sampling can resolve.
+  rtcSetSceneFlags(group->scene, RTC_SCENE_FLAG_NONE);
   if (!group->triangles.triangles.empty()) AttachTriangles(device, group->triangles, group->scene);
   if (!group->curved.empty()) AttachCurved(device, group->curved, group->scene);
 }
