@@ -25,7 +25,7 @@ std::optional<int> ParseOptions(int argc, char** argv, Options* options) {
                "strata-coordinator");
   app.footer(
       "Example:\n"
-      "  strata-coordinator --listen 127.0.0.1:7077 --state /var/lib/strata");
+      "  strata-coordinator --listen 127.0.0.1:7447 --state /var/lib/strata");
   app.set_version_flag("--version", BuildRevision());
   app.add_option("--listen", options->server.listen, "HOST:PORT to serve; port 0 picks a free one")
       ->required();

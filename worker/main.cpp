@@ -26,7 +26,7 @@ std::optional<int> ParseOptions(int argc, char** argv, Options* options) {
   CLI::App app("Renders for a strata-coordinator until told to stop.", "strata-worker");
   app.footer(
       "Example:\n"
-      "  strata-worker --server 127.0.0.1:7077 --cache ~/.cache/strata\n\n"
+      "  strata-worker --server 127.0.0.1:7447 --cache ~/.cache/strata\n\n"
       "SIGTERM and SIGINT let it finish what it holds; a second one ends it at once.");
   app.set_version_flag("--version", BuildRevision());
   WorkerOptions& worker = options->worker;

@@ -1,11 +1,13 @@
 #include "worker/session/file_cache.h"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cerrno>
+#include <chrono>
+#include <cstdlib>
 #include <cstring>
 #include <utility>
 
@@ -16,12 +18,7 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kPartSuffix = ".part";
 constexpr size_t kMaxExtension = 16;
-
-/// A file name that no process uses twice.
-std::string TemporaryName(const std::string& name) {
-  static std::atomic<uint64_t> counter = 0;
-  return absl::StrCat(name, ".", getpid(), "-", counter++, std::string(kPartSuffix));
-}
+constexpr auto kLeftoverAge = std::chrono::hours(1);
 
 absl::Status WriteError(const fs::path& path, int error) {
   const std::string text = absl::StrCat(path.string(), ": ", std::strerror(error));
@@ -29,11 +26,12 @@ absl::Status WriteError(const fs::path& path, int error) {
                                             : absl::UnavailableError(text);
 }
 
-/// Whether the process that made this temporary file is gone.
+/// Whether nothing was written to this temporary file for so long that its download is broken. The
+/// process that made it may be one of another machine or container that shares the directory.
 bool IsLeftover(const fs::path& path) {
-  const std::string stem = path.stem().string();  // NAME.PID-N
-  const int pid = std::atoi(stem.substr(stem.rfind('.') + 1).c_str());
-  return pid <= 0 || !fs::exists(absl::StrCat("/proc/", pid));
+  std::error_code error;
+  const auto age = fs::file_time_type::clock::now() - fs::last_write_time(path, error);
+  return !error && age > kLeftoverAge;
 }
 
 }  // namespace
@@ -166,11 +164,14 @@ void FileCache::MakeRoom() {
 
 absl::StatusOr<std::unique_ptr<FileCache::Download>> FileCache::Begin(const BundleFile& file) {
   const std::string name = NameOf(file);
-  const fs::path temporary = PathOf(TemporaryName(name));
+  // A name that no process has, on whatever machine or in whatever container.
+  std::string temporary = PathOf(absl::StrCat(name, ".XXXXXX", std::string(kPartSuffix))).string();
   std::error_code error;
-  fs::create_directories(temporary.parent_path(), error);
-  const int descriptor = open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
+  fs::create_directories(fs::path(temporary).parent_path(), error);
+  const int descriptor =
+      mkostemps(temporary.data(), static_cast<int>(kPartSuffix.size()), O_CLOEXEC);
   if (descriptor < 0) return WriteError(temporary, errno);
+  fchmod(descriptor, 0644);
   return std::unique_ptr<Download>(new Download(*this, file, temporary, descriptor));
 }
 
