@@ -80,6 +80,7 @@ class MaterialTable {
                                            ParameterReader& parameters);
   Roughness ReadRoughness(ParameterReader& parameters, const std::string& prefix, bool remap);
   float ReadEta(ParameterReader& parameters, std::string_view name);
+  /// Fills either eta and k, whose names have the prefix, or the reflectance.
   void ReadConductor(ParameterReader& parameters, const std::string& prefix,
                      std::string_view color_space, TextureId& eta, TextureId& k,
                      TextureId& reflectance);
@@ -107,7 +108,7 @@ absl::Status ReadLight(const std::string& type, const Transform& world_from_ligh
 struct AreaLight {
   Rgb radiance;
   bool two_sided = false;
-  std::optional<double> power;  ///< Of each shape, instead of the level of `radiance`.
+  std::optional<double> power;  ///< If set, `radiance` is per power / (pi area) of each shape.
   SourceLocation where;
 };
 absl::StatusOr<AreaLight> ReadAreaLight(const std::string& type, std::string_view color_space,

@@ -124,12 +124,8 @@ absl::Status SceneParser::PlaceEmission(ShapeDescription& shape) {
   if (light.power) {
     STRATA_ASSIGN_OR_RETURN(const double area, WorldArea(shape.geometry, shape.to_world, Here()));
     const double sides = light.two_sided ? 2 : 1;
-    const float luminance = Luminance(radiance);
-    const double scale = *light.power / (sides * area * std::numbers::pi * luminance);
-    if (!(area > 0) || !(luminance > 0)) {
-      return ErrorAt(Here(), "the area light's power has no area or no colour to leave by");
-    }
-    radiance = radiance * static_cast<float>(scale);
+    if (!(area > 0)) return ErrorAt(Here(), "the area light's power has no area to leave by");
+    radiance = radiance * static_cast<float>(*light.power / (sides * area * std::numbers::pi));
   }
   if (IsBlack(radiance)) return absl::OkStatus();
   if (!IsFinite(radiance)) return ErrorAt(light.where, "the area light is too bright");

@@ -9,8 +9,8 @@ namespace {
 
 constexpr double kPiDouble = std::numbers::pi;
 
-/// A positive parameter that replaces a level, such as "power"; none if absent. As in pbrt,
-/// values of 0 and below stand for absent.
+/// A photometric level such as "power", none if absent. As in pbrt-v4, it multiplies the light's
+/// colour, and values of 0 and below stand for absent.
 std::optional<double> Level(ParameterReader& parameters, std::string_view name) {
   const double value = parameters.Float(name, -1);
   return value > 0 ? std::optional<double>(value) : std::nullopt;
@@ -24,20 +24,14 @@ bool IsFinite(Vec3d v) { return strata::IsFinite(ToFloat(v)); }
 
 Vec3d ToDouble(Vec3f v) { return {v.x, v.y, v.z}; }
 
-/// `color` scaled to a luminance of `level` by the weights of its RGB components.
-Rgb WithLuminance(Rgb color, double level) {
-  const float luminance = Luminance(color);
-  return luminance > 0 ? color * static_cast<float>(level / luminance) : Rgb{};
-}
-
 absl::StatusOr<LightDescription> ReadPoint(const Transform& world_from_light,
                                            std::string_view color_space,
                                            ParameterReader& parameters, ReadContext& context) {
-  Rgb intensity =
+  const Rgb intensity =
       ColorParameter(parameters, "I", Rgb::Gray(1), SpectrumUse::kIlluminant, color_space, context);
-  const double scale = parameters.Float("scale", 1);
+  double scale = parameters.Float("scale", 1);
   if (const std::optional<double> power = Level(parameters, "power")) {
-    intensity = WithLuminance(intensity, *power / (4 * kPiDouble));
+    scale *= *power / (4 * kPiDouble);
   }
   const Vec3d from = world_from_light.Point(ToDouble(parameters.Point3("from").value_or(Vec3f{})));
   if (!IsFinite(from)) return ErrorAt(parameters.where(), "the light is infinitely far away");
@@ -133,7 +127,6 @@ absl::StatusOr<AreaLight> ReadAreaLight(const std::string& type, std::string_vie
   const double scale = parameters.Float("scale", 1);
   light.two_sided = parameters.Bool("twosided", false);
   light.power = Level(parameters, "power");
-  if (light.power) *light.power *= scale;
   light.radiance = radiance * static_cast<float>(scale);
   if (const Parameter* image = parameters.Take("filename")) {
     parameters.Fail(image->where,

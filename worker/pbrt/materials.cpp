@@ -71,12 +71,12 @@ float MaterialTable::ReadEta(ParameterReader& parameters, std::string_view name)
 void MaterialTable::ReadConductor(ParameterReader& parameters, const std::string& prefix,
                                   std::string_view color_space, TextureId& eta, TextureId& k,
                                   TextureId& reflectance) {
-  reflectance = textures_.Color(parameters, prefix + "reflectance", std::nullopt,
-                                SpectrumUse::kReflectance, color_space);
+  reflectance = textures_.Color(parameters, "reflectance", std::nullopt, SpectrumUse::kReflectance,
+                                color_space);
   if (reflectance != kNoTexture) {
     if (parameters.Has(prefix + "eta") || parameters.Has(prefix + "k")) {
-      parameters.Fail(parameters.where(), StrCat("\"", prefix, "reflectance\" excludes \"", prefix,
-                                                 "eta\" and \"", prefix, "k\""));
+      parameters.Fail(parameters.where(),
+                      StrCat("\"reflectance\" excludes \"", prefix, "eta\" and \"", prefix, "k\""));
     }
     return;
   }
@@ -116,11 +116,6 @@ CoatedConductorMaterial MaterialTable::ReadCoatedConductor(ParameterReader& para
   m.conductor_roughness = ReadRoughness(parameters, "conductor.", remap);
   m.interface_eta = ReadEta(parameters, "interface.eta");
   ReadConductor(parameters, "conductor.", color_space, m.eta, m.k, m.reflectance);
-  // pbrt-v4 reads these two without the prefix they are documented with.
-  if (!parameters.Has("conductor.reflectance") && parameters.Has("reflectance")) {
-    m.reflectance = textures_.Color(parameters, "reflectance", std::nullopt,
-                                    SpectrumUse::kReflectance, color_space);
-  }
   parameters.Float("thickness", 0.01);
   if (textures_.ConstantValue(textures_.Color(parameters, "albedo", Rgb{},
                                               SpectrumUse::kReflectance, color_space)) != Rgb{}) {
