@@ -8,7 +8,7 @@ absl::StatusOr<NetAddress> ParseNetAddress(std::string_view text) {
   const auto malformed = [&] {
     return absl::InvalidArgumentError(
         absl::StrCat("\"", std::string(text),
-                     "\" is no address; write HOST:PORT, such as 127.0.0.1:7077 or [::1]:7077"));
+                     "\" is no address; write HOST:PORT, such as 127.0.0.1:7447 or [::1]:7447"));
   };
   const size_t colon = text.rfind(':');
   if (colon == std::string_view::npos) return malformed();

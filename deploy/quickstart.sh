@@ -90,15 +90,14 @@ job=$("$bin/strata" jobs --json | grep -o '"job":"[^"]*"' | head -n 1 | cut -d '
 
 mkdir -p out
 for kind in exr png; do
-  "$bin/strata" fetch "$job" -o "$run/cornell-box.$kind"
+  "$bin/strata" fetch "$job" -o "$run/cornell-box.$kind" >/dev/null
   mv "$run/cornell-box.$kind" "out/cornell-box.$kind"
 done
-error=$("$bin/strata" jobs --json | grep -o '"rel_error":[0-9.e+-]*' | head -n 1 | cut -d : -f 2)
 
 say "Done"
 echo "Picture:             $PWD/out/cornell-box.png"
 echo "With error layers:   $PWD/out/cornell-box.exr"
-awk -v error="$error" 'BEGIN {
-  printf "Error:               at most +- %.1f %% in 99 %% of the pixels, with 95 %% confidence\n", 100 * error
-  print  "                     (of a pixel'"'"'s luminance, or of 5 % of the mean where it is darker)"
+oiiotool out/cornell-box.exr --ch R,G,B,ci95.R,ci95.G,ci95.B --printstats | awk '/Stats Avg:/ {
+  error = (0.2126 * $6 + 0.7152 * $7 + 0.0722 * $8) / (0.2126 * $3 + 0.7152 * $4 + 0.0722 * $5)
+  printf "Error of a pixel:    +- %.1f %% of the picture'"'"'s brightness on average, with 95 %% confidence\n", 100 * error
 }'
