@@ -273,13 +273,23 @@ TEST(OwenScramble, SecondSobolCoordinateIsPascalsTriangle) {
   }
 }
 
-TEST(OwenScramble, UnitSquareReversesBits) {
+// The vector code against the definition, one word at a time.
+TEST(SobolSampler, IsTheScrambledSobolPointOfTheShuffledIndex) {
   TestRandom random(3);
-  for (int i = 0; i < 1000; ++i) {
-    const auto x = static_cast<uint32_t>(random.Bits()), y = static_cast<uint32_t>(random.Bits());
-    const Vec2f p = UnitSquareFromReversed(x, y);
-    ASSERT_EQ(p.x, UnitFloat(ReverseBits(x)));
-    ASSERT_EQ(p.y, UnitFloat(ReverseBits(y)));
+  for (int i = 0; i < 2000; ++i) {
+    const SampleKey key = {random.Bits(), 1, static_cast<uint32_t>(i), 2, 3};
+    const auto pair = static_cast<uint32_t>(random.Bits() % 100);
+    const auto index = static_cast<uint32_t>(random.Bits() >> (32 + i % 32));
+    const auto seed = [&](uint32_t use) { return ScrambleSeed(key.Hash(), pair, use); };
+    const auto scramble = [](uint32_t fraction, uint32_t s) {
+      return ReverseBits(OwenScrambleReversed(ReverseBits(fraction), s));
+    };
+    const uint32_t shuffled = scramble(index, seed(2));
+    const uint32_t x = scramble(ReverseBits(shuffled), seed(0));
+    const uint32_t y = scramble(ReverseBits(SobolSecondReversed(shuffled)), seed(1));
+    const Vec2f p = Points<SobolSampler>(key, pair, index, 1)[0];
+    ASSERT_EQ(p.x, static_cast<float>(x >> 8) * 0x1p-24f);
+    ASSERT_EQ(p.y, static_cast<float>(y >> 8) * 0x1p-24f);
   }
 }
 

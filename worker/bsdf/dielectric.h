@@ -116,7 +116,7 @@ inline std::optional<BsdfSample> Sample(const DielectricBsdf& bsdf, Vec3f wo, fl
   return sample;
 }
 
-/// Of power, so without the 1/eta^2 of refracted radiance.
+/// Of power, so without the 1/eta^2 of refracted radiance; an upper bound for a rough border.
 inline Rgb Albedo(const DielectricBsdf&, Vec3f) { return Rgb::Gray(1); }
 
 }  // namespace strata

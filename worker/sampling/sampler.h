@@ -38,29 +38,53 @@ struct SampleKey {
 /// Padded two-dimensional Owen-scrambled Sobol' points: in each pair the index is shuffled and both
 /// coordinates scrambled by hashes of the key and the pair (Burley 2020, JCGT 9(4), with the hash
 /// of Vegdahl 2021). Any prefix of 2^k points is a (0, k, 2)-net in each pair.
+///
+/// The four pairs of a bounce are made at once in one vector and kept: a sampler belongs to one
+/// thread.
 class SobolSampler {
  public:
   explicit SobolSampler(const SampleKey& key) : key_(key.Hash()) {}
-  void StartSample(uint32_t index) { reversed_index_ = ReverseBits(index); }
+  void StartSample(uint32_t index) {
+    reversed_index_ = ReverseBits(index);
+    block_ = kNoBlock;
+  }
 
   Vec2f Get2D(uint32_t pair) const {
-    const uint64_t seeds = MixBits(key_ + pair * 0x9e3779b97f4a7c15u);
-    const uint32_t index = ReverseBits(
-        OwenScrambleReversed(reversed_index_, static_cast<uint32_t>((seeds * kThirdSeed) >> 32)));
-    // The first Sobol' coordinate is the index with its bits reversed, so its reversal is the
-    // index.
-    const uint32_t x = OwenScrambleReversed(index, static_cast<uint32_t>(seeds));
-    const uint32_t y =
-        OwenScrambleReversed(SobolSecondReversed(index), static_cast<uint32_t>(seeds >> 32));
-    return UnitSquareFromReversed(x, y);
+    // Bounces start at pair 3, so that blocks begin one pair early.
+    static_assert((kPairFirstBounce + 1) % kBlock == 0 && kPairsPerBounce == kBlock);
+    const uint32_t block = (pair + 1) / kBlock, place = (pair + 1) % kBlock;
+    if (block != block_) MakeBlock(block);
+    return {values_[place], values_[kBlock + place]};
   }
 
  private:
-  /// Two seeds are the halves of a hash; the third is the upper half of its product with this.
-  static constexpr uint64_t kThirdSeed = 0xa0761d6478bd642fu;
+  static constexpr uint32_t kBlock = 4;
+  static constexpr uint32_t kNoBlock = 0xffffffffu;
+
+  void MakeBlock(uint32_t block) const {
+    const Words4 pair = Words4{0, 1, 2, 3} + (block * kBlock - 1);
+    const Words4 shuffled = OwenScrambleReversed(Words4{} + reversed_index_,
+                                                 ScrambleSeed(key_, pair, Words4{2, 2, 2, 2}));
+    const Words4 index = ReverseBits(shuffled);
+    // The first Sobol' coordinate is the index with its bits reversed, so its reversal is the
+    // index.
+    const Words8 points =
+        __builtin_shufflevector(index, SobolSecondReversed(index), 0, 1, 2, 3, 4, 5, 6, 7);
+    const Words8 pairs = __builtin_shufflevector(pair, pair, 0, 1, 2, 3, 4, 5, 6, 7);
+    const Words8 seeds = ScrambleSeed(key_, pairs, Words8{0, 0, 0, 0, 1, 1, 1, 1});
+    const Words8 digits = ReverseBits(OwenScrambleReversed(points, seeds)) >> 8;
+    // As signed integers, which these 24 bits are too: their conversion is one instruction.
+    using Integers __attribute__((vector_size(32))) = int32_t;
+    values_ = __builtin_convertvector(reinterpret_cast<Integers>(digits), Floats) * 0x1p-24f;
+    block_ = block;
+  }
+
+  using Floats __attribute__((vector_size(32))) = float;
 
   uint64_t key_ = 0;
   uint32_t reversed_index_ = 0;
+  mutable uint32_t block_ = kNoBlock;
+  mutable Floats values_ = {};  ///< x of the block's pairs, then y.
 };
 
 /// Independent uniform numbers from a counter-based hash of the same key.
@@ -71,7 +95,8 @@ class IndependentSampler {
 
   Vec2f Get2D(uint32_t pair) const {
     const uint64_t bits = MixBits(sample_ + pair * 0x9e3779b97f4a7c15u);
-    return {UnitFloat(static_cast<uint32_t>(bits >> 32)), UnitFloat(static_cast<uint32_t>(bits))};
+    return {static_cast<float>(bits >> 40) * 0x1p-24f,
+            static_cast<float>(bits & 0xffffff) * 0x1p-24f};
   }
 
  private:
