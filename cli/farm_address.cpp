@@ -16,15 +16,9 @@ void AddFarmAddress(CLI::App* command, FarmAddress& address) {
 absl::StatusOr<ExitStatus> WithFarm(
     const FarmAddress& address,
     const std::function<absl::StatusOr<ExitStatus>(FarmClient&)>& work) {
-  absl::StatusOr<std::unique_ptr<FarmClient>> client =
-      FarmClient::Dial(address.server, address.insecure);
-  absl::StatusOr<ExitStatus> exit =
-      client.ok() ? work(**client) : absl::StatusOr<ExitStatus>(client.status());
-  if (!absl::IsUnavailable(exit.status())) return exit;
-  return absl::UnavailableError(
-      absl::StrCat("no coordinator answers at ", address.server, " (", exit.status().message(),
-                   "); start one with 'strata-coordinator --listen ", address.server,
-                   " --state DIR', or name another with --server or STRATA_SERVER"));
+  STRATA_ASSIGN_OR_RETURN(const std::unique_ptr<FarmClient> client,
+                          FarmClient::Dial(address.server, address.insecure));
+  return work(*client);
 }
 
 }  // namespace strata

@@ -18,8 +18,7 @@ struct FarmAddress {
 /// Adds --server (or STRATA_SERVER) and --insecure.
 void AddFarmAddress(CLI::App* command, FarmAddress& address);
 
-/// Dials the coordinator and hands it to `work`. Where it does not answer, in the beginning or
-/// later, the error says how to start one.
+/// Dials the coordinator and hands it to `work`.
 absl::StatusOr<ExitStatus> WithFarm(
     const FarmAddress& address, const std::function<absl::StatusOr<ExitStatus>(FarmClient&)>& work);
 

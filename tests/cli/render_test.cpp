@@ -1,0 +1,163 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+
+#include "common/image_file.h"
+#include "common/job.h"
+#include "tests/cli/run_command.h"
+#include "tests/cli/scene_folder.h"
+
+namespace strata::test {
+namespace {
+
+using nlohmann::json;
+
+std::vector<std::string> Lines(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+/// The "done" event of a render with --json.
+json Done(const std::vector<std::string>& arguments) {
+  const CommandResult render = RunStrata(arguments);
+  EXPECT_EQ(render.exit_status, 0) << render.err;
+  const std::vector<std::string> lines = Lines(render.out);
+  return lines.empty() ? json() : json::parse(lines.back());
+}
+
+TEST(Render, WritesAllLayersAndTellsInTheHeaderWhatTheyAre) {
+  const SceneFolder folder;
+  const std::string out = folder.Path("out.exr");
+  const CommandResult render =
+      RunStrata({"render", folder.TinyScene(), "-o", out, "--png", "--crop", "2,1,22,15", "--seed",
+                 "5", "--channels", "alpha,albedo,normal,depth", "--threads", "2"});
+  ASSERT_EQ(render.exit_status, 0) << render.err;
+
+  const absl::StatusOr<ImageLayers> image = ReadExr(out);
+  ASSERT_TRUE(image.ok()) << image.status();
+  EXPECT_EQ(image->full_width, 24);
+  EXPECT_EQ(image->full_height, 16);
+  EXPECT_EQ(image->crop, (PixelRect{2, 1, 22, 15}));
+  const std::set<std::string> channels(image->channels.begin(), image->channels.end());
+  const std::set<std::string> expected = {
+      "R",          "G",          "B",         "A",        "albedo.R", "albedo.G",
+      "albedo.B",   "normal.X",   "normal.Y",  "normal.Z", "depth.Z",  "stderr.R",
+      "stderr.G",   "stderr.B",   "ci95.R",    "ci95.G",   "ci95.B",   "variance.R",
+      "variance.G", "variance.B", "samples.Y", "flags.Y"};
+  EXPECT_EQ(channels, expected);
+
+  const std::map<std::string, std::string> header(image->metadata.begin(), image->metadata.end());
+  EXPECT_EQ(header.at("seed"), "5");
+  EXPECT_EQ(header.at("spp"), "16");
+  EXPECT_EQ(header.at("samples"), std::to_string(20 * 14 * 16));
+  EXPECT_EQ(header.at("sceneDigest").find("sha256:"), 0u);
+  EXPECT_NE(header.at("build"), "");
+  const std::string digest = header.at("digest");
+  EXPECT_NE(render.out.find(digest), std::string::npos) << render.out;
+
+  const absl::StatusOr<ImageFile> png = ReadImageFile(folder.Path("out.png"));
+  ASSERT_TRUE(png.ok()) << png.status();
+  EXPECT_EQ(png->width, 20);
+  EXPECT_EQ(png->height, 14);
+}
+
+TEST(Render, ReportsFilesSamplesErrorAndDigestInPlainWords) {
+  const SceneFolder folder;
+  const std::string out = folder.Path("out.exr");
+  const CommandResult render = RunStrata({"render", folder.TinyScene(), "-o", out});
+  ASSERT_EQ(render.exit_status, 0) << render.err;
+  for (const std::string& part : {out, std::string("6.14 k samples (16 per pixel)"),
+                                  std::string("99 % of pixels are within ±"),
+                                  std::string("(95 % confidence)"), std::string("sha256:")}) {
+    EXPECT_NE(render.out.find(part), std::string::npos) << part << " in:\n" << render.out;
+  }
+}
+
+TEST(Render, APngAloneIsWrittenByItsExtension) {
+  const SceneFolder folder;
+  const std::string out = folder.Path("look.png");
+  ASSERT_EQ(RunStrata({"render", folder.TinyScene(), "-o", out}).exit_status, 0);
+  const absl::StatusOr<ImageFile> png = ReadImageFile(out);
+  ASSERT_TRUE(png.ok()) << png.status();
+  EXPECT_TRUE(png->eight_bit);
+  EXPECT_FALSE(std::filesystem::exists(folder.Path("look.exr")));
+}
+
+TEST(Render, WithJsonEveryLineOfOutputIsAnEventAndTheLastIsDone) {
+  const SceneFolder folder;
+  const CommandResult render = RunStrata({"render", folder.TinyScene(), "--json", "--quiet"});
+  ASSERT_EQ(render.exit_status, 0) << render.err;
+  EXPECT_EQ(render.err, "");
+  const std::vector<std::string> lines = Lines(render.out);
+  ASSERT_FALSE(lines.empty());
+  for (size_t i = 0; i + 1 < lines.size(); ++i) {
+    EXPECT_EQ(json::parse(lines[i])["event"], "progress");
+  }
+  const json done = json::parse(lines.back());
+  EXPECT_EQ(done["event"], "done");
+  EXPECT_EQ(done["samples"], 24 * 16 * 16);
+  EXPECT_EQ(done["spp_mean"], 16);
+  EXPECT_EQ(done["nonfinite"], 0);
+  EXPECT_EQ(done["target_met"], true);
+  EXPECT_GT(done["rays"], done["samples"]);
+  EXPECT_GT(done["rel_error"], 0);
+  EXPECT_GT(done["mean_rgb"][0], done["mean_rgb"][2]) << "the lamp is warm";
+}
+
+TEST(Render, TheDigestDoesNotDependOnThreadsWorkersOrTiles) {
+  const SceneFolder folder;
+  const std::string scene = folder.TinyScene();
+  const json one = Done({"render", scene, "--json", "--threads", "1"});
+  EXPECT_EQ(Done({"render", scene, "--json", "--threads", "4"})["digest"], one["digest"]);
+  EXPECT_EQ(Done({"render", scene, "--json", "--workers", "2", "--threads", "1"})["digest"],
+            one["digest"]);
+  EXPECT_EQ(Done({"render", scene, "--json", "--tile", "8", "--threads", "2"})["digest"],
+            one["digest"]);
+  // The control: another seed is another render.
+  EXPECT_NE(Done({"render", scene, "--json", "--seed", "1"})["digest"], one["digest"]);
+}
+
+TEST(Render, RoundingOfSamplesIsSaid) {
+  const SceneFolder folder;
+  const CommandResult render = RunStrata({"render", folder.TinyScene(), "--spp", "9"});
+  EXPECT_EQ(render.exit_status, 0);
+  EXPECT_NE(render.err.find("--spp 9 is rounded up to 16"), std::string::npos) << render.err;
+}
+
+TEST(Render, LeavesNothingInTheTemporaryDirectory) {
+  const SceneFolder folder;
+  const std::string scene = folder.TinyScene();
+  std::filesystem::create_directory(folder.Path("tmp"));
+  const CommandResult render =
+      RunStrata({"render", scene}, {.environment = {{"TMPDIR", folder.Path("tmp")}}});
+  EXPECT_EQ(render.exit_status, 0) << render.err;
+  EXPECT_TRUE(std::filesystem::is_empty(folder.Path("tmp")));
+}
+
+TEST(Replay, TellsAPathVertexByVertexAndTheSameEachTime) {
+  const SceneFolder folder;
+  const std::vector<std::string> words = {
+      "replay", folder.TinyScene(), "--pixel", "12,8", "--replicate", "3", "--sample", "1"};
+  const CommandResult first = RunStrata(words);
+  EXPECT_EQ(first.exit_status, 0) << first.err;
+  EXPECT_NE(first.out, "");
+  EXPECT_EQ(RunStrata(words).out, first.out);
+}
+
+TEST(Replay, APixelOutsideTheFrameIsRefused) {
+  const SceneFolder folder;
+  const CommandResult replay = RunStrata(
+      {"replay", folder.TinyScene(), "--pixel", "24,0", "--replicate", "0", "--sample", "0"});
+  EXPECT_EQ(replay.exit_status, 2);
+  EXPECT_NE(replay.err.find("--pixel: 24,0 is outside"), std::string::npos) << replay.err;
+}
+
+}  // namespace
+}  // namespace strata::test

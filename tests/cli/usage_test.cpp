@@ -1,0 +1,122 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <regex>
+
+#include "tests/cli/run_command.h"
+#include "tests/cli/scene_folder.h"
+
+namespace strata::test {
+namespace {
+
+/// Bad usage and bad input: status 2, nothing on stdout, one line on stderr.
+void ExpectRefused(const CommandResult& result, const std::string& part) {
+  EXPECT_EQ(result.exit_status, 2);
+  EXPECT_EQ(result.out, "");
+  EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+  EXPECT_NE(result.err.find(part), std::string::npos) << result.err;
+}
+
+class EveryCommand : public testing::TestWithParam<const char*> {};
+
+TEST_P(EveryCommand, HasHelpWithExamples) {
+  const CommandResult help = RunStrata({GetParam(), "--help"});
+  EXPECT_EQ(help.exit_status, 0);
+  EXPECT_EQ(help.err, "");
+  const size_t examples = help.out.find("Examples:");
+  ASSERT_NE(examples, std::string::npos) << help.out;
+  const std::string shown = help.out.substr(examples);
+  const std::string command = std::string("strata ") + GetParam();
+  const auto first = shown.find(command);
+  ASSERT_NE(first, std::string::npos) << shown;
+  EXPECT_NE(shown.find(command, first + 1), std::string::npos) << "fewer than two examples";
+}
+
+TEST_P(EveryCommand, SuggestsTheOptionThatWasMeant) {
+  ExpectRefused(RunStrata({GetParam(), "--hepl"}), "did you mean --help?");
+}
+
+INSTANTIATE_TEST_SUITE_P(All, EveryCommand,
+                         testing::Values("render", "submit", "watch", "jobs", "workers", "logs",
+                                         "fetch", "cancel", "pause", "resume", "retry", "delete",
+                                         "set", "check", "replay", "health"),
+                         [](const auto& info) { return std::string(info.param); });
+
+TEST(Usage, TheHelpListsTheCommands) {
+  const CommandResult help = RunStrata({"--help"});
+  EXPECT_EQ(help.exit_status, 0);
+  for (const char* command : {"render", "submit", "watch", "fetch", "check", "health"}) {
+    EXPECT_NE(help.out.find(command), std::string::npos) << command;
+  }
+  EXPECT_EQ(help.out.find("diff"), std::string::npos) << "a command of a later version is listed";
+}
+
+TEST(Usage, TheVersionNamesTheBuild) {
+  const CommandResult version = RunStrata({"--version"});
+  EXPECT_EQ(version.exit_status, 0);
+  EXPECT_TRUE(std::regex_match(version.out, std::regex("strata [0-9]+\\.[0-9]+\\.[0-9]+.*\n")))
+      << version.out;
+}
+
+TEST(Usage, NoCommandIsBadUsage) { ExpectRefused(RunStrata({}), "strata --help"); }
+
+TEST(Usage, AMisspeltCommandIsCorrected) {
+  ExpectRefused(RunStrata({"rendr", "scene.pbrt"}), "did you mean render?");
+}
+
+TEST(Usage, AMisspeltOptionIsCorrectedThoughItTookTheScenesPlace) {
+  ExpectRefused(RunStrata({"render", "--sppp", "64"}), "no option --sppp - did you mean --spp?");
+}
+
+TEST(Usage, AMissingArgumentIsNamed) {
+  ExpectRefused(RunStrata({"render"}), "SCENE");
+  ExpectRefused(RunStrata({"watch"}), "JOB");
+  ExpectRefused(RunStrata({"fetch", "j-1"}), "output");
+}
+
+TEST(Usage, ValuesOfTheWrongKindAreNamed) {
+  ExpectRefused(RunStrata({"render", "a.pbrt", "--spp", "many"}), "--spp");
+  ExpectRefused(RunStrata({"render", "a.pbrt", "--spp", "-8"}), "--spp");
+  ExpectRefused(RunStrata({"render", "a.pbrt", "--threads", "0"}), "--threads");
+  ExpectRefused(RunStrata({"render", "a.pbrt", "--resolution", "big"}), "--resolution");
+  ExpectRefused(RunStrata({"render", "a.pbrt", "--reproducible=perhaps"}), "--reproducible");
+}
+
+TEST(Usage, WhatLaterVersionsDoIsRefusedWithASentence) {
+  ExpectRefused(RunStrata({"diff", "a.exr", "b.exr"}), "not there yet");
+  ExpectRefused(RunStrata({"render", "a.pbrt", "--error", "0.05"}), "--error is not there yet");
+  ExpectRefused(RunStrata({"render", "a.pbrt", "--kernel", "fast"}), "--kernel is not there yet");
+}
+
+TEST(Usage, AnImagePathThatCannotBeWrittenIsFoundBeforeTheWork) {
+  const SceneFolder folder;
+  const std::string scene = folder.TinyScene();
+  ExpectRefused(RunStrata({"render", scene, "-o", folder.Path("no/such/out.exr")}), "directory");
+  ExpectRefused(RunStrata({"render", scene, "-o", folder.Path("out.jpg")}), ".exr nor .png");
+  ExpectRefused(RunStrata({"render", scene, "--png"}), "-o out.exr");
+  ExpectRefused(RunStrata({"submit", scene, "-o", folder.Path("out.exr")}), "--watch");
+}
+
+TEST(Usage, ASceneThatIsNotThereIsNamed) {
+  ExpectRefused(RunStrata({"render", "missing.pbrt"}), "missing.pbrt: ");
+}
+
+TEST(Usage, AServerThatDoesNotAnswerIsStatus3WithARemedy) {
+  // Port 1 of this machine: nothing of ours listens there.
+  const CommandResult result = RunStrata({"health", "--server", "127.0.0.1:1"});
+  EXPECT_EQ(result.exit_status, 3);
+  EXPECT_EQ(result.out, "");
+  EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+  EXPECT_NE(result.err.find("127.0.0.1:1"), std::string::npos);
+  EXPECT_NE(result.err.find("strata-coordinator --listen"), std::string::npos) << result.err;
+}
+
+TEST(Usage, TheServerMayBeNamedByTheEnvironment) {
+  const CommandResult result =
+      RunStrata({"jobs"}, {.environment = {{"STRATA_SERVER", "127.0.0.1:1"}}});
+  EXPECT_EQ(result.exit_status, 3);
+  EXPECT_NE(result.err.find("127.0.0.1:1"), std::string::npos) << result.err;
+}
+
+}  // namespace
+}  // namespace strata::test
