@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "common/job.h"
@@ -61,18 +62,35 @@ class SobolSampler {
   static constexpr uint32_t kBlock = 4;
   static constexpr uint32_t kNoBlock = 0xffffffffu;
 
-  void MakeBlock(uint32_t block) const {
+  /// Blocks whose seeds are kept from sample to sample.
+  static constexpr uint32_t kKeptBlocks = 8;
+
+  struct Seeds {
+    Words4 order;
+    Words8 coordinates;
+  };
+  static Seeds MakeSeeds(uint64_t key, uint32_t block) {
     const Words4 pair = Words4{0, 1, 2, 3} + (block * kBlock - 1);
-    const Words4 shuffled = OwenScrambleReversed(Words4{} + reversed_index_,
-                                                 ScrambleSeed(key_, pair, Words4{2, 2, 2, 2}));
+    const Words8 pairs = __builtin_shufflevector(pair, pair, 0, 1, 2, 3, 4, 5, 6, 7);
+    return {ScrambleSeed(key, pair, Words4{2, 2, 2, 2}),
+            ScrambleSeed(key, pairs, Words8{0, 0, 0, 0, 1, 1, 1, 1})};
+  }
+  Seeds SeedsOf(uint32_t block) const {
+    if (block >= kKeptBlocks) return MakeSeeds(key_, block);
+    // Blocks are first asked for in order, or nearly so.
+    for (; kept_ <= block; ++kept_) seeds_[kept_] = MakeSeeds(key_, kept_);
+    return seeds_[block];
+  }
+
+  void MakeBlock(uint32_t block) const {
+    const Seeds seeds = SeedsOf(block);
+    const Words4 shuffled = OwenScrambleReversed(Words4{} + reversed_index_, seeds.order);
     const Words4 index = ReverseBits(shuffled);
     // The first Sobol' coordinate is the index with its bits reversed, so its reversal is the
     // index.
     const Words8 points =
         __builtin_shufflevector(index, SobolSecondReversed(index), 0, 1, 2, 3, 4, 5, 6, 7);
-    const Words8 pairs = __builtin_shufflevector(pair, pair, 0, 1, 2, 3, 4, 5, 6, 7);
-    const Words8 seeds = ScrambleSeed(key_, pairs, Words8{0, 0, 0, 0, 1, 1, 1, 1});
-    const Words8 digits = ReverseBits(OwenScrambleReversed(points, seeds)) >> 8;
+    const Words8 digits = ReverseBits(OwenScrambleReversed(points, seeds.coordinates)) >> 8;
     // As signed integers, which these 24 bits are too: their conversion is one instruction.
     using Integers __attribute__((vector_size(32))) = int32_t;
     values_ = __builtin_convertvector(reinterpret_cast<Integers>(digits), Floats) * 0x1p-24f;
@@ -84,6 +102,8 @@ class SobolSampler {
   uint64_t key_ = 0;
   uint32_t reversed_index_ = 0;
   mutable uint32_t block_ = kNoBlock;
+  mutable uint32_t kept_ = 0;  ///< How many of seeds_ are made.
+  mutable std::array<Seeds, kKeptBlocks> seeds_;
   mutable Floats values_ = {};  ///< x of the block's pairs, then y.
 };
 
