@@ -9,7 +9,8 @@
 namespace strata {
 namespace {
 
-constexpr int kReach = 2;  ///< Of the largest neighbourhood, the 5x5 ring.
+constexpr int kMargin = EstimateInput::kMargin;
+constexpr size_t kReach = kMargin;
 
 /// The square of s_R / sqrt(R) over replicate means.
 double ErrorSquared(const PixelLayout& layout, const double* values, int channel, double mean) {
@@ -21,71 +22,59 @@ double ErrorSquared(const PixelLayout& layout, const double* values, int channel
   return sum / ((kReplicates - 1) * kReplicates);
 }
 
-/// A plane of numbers over `covered`, zero outside.
-struct Plane {
-  const PixelRect& covered;
-  const double* values;
-
-  double At(int x, int y) const {
-    if (x < covered.x0 || x >= covered.x1 || y < covered.y0 || y >= covered.y1) return 0;
-    return values[static_cast<size_t>(y - covered.y0) * covered.Width() + (x - covered.x0)];
-  }
-};
-
 /// Sums over square neighbourhoods of the wanted pixels. The order of additions is the same for
 /// every pixel of an image, wherever it lies in its rectangle.
 class Neighbourhoods {
  public:
-  Neighbourhoods(const PixelRect& wanted, const PixelRect& covered)
-      : wanted_(wanted), covered_(covered) {}
+  explicit Neighbourhoods(const PixelRect& wanted)
+      : width_(static_cast<size_t>(wanted.Width())),
+        height_(static_cast<size_t>(wanted.Height())) {}
 
   /// Over the 3x3 block, the pixel included.
-  std::vector<double> Block(const std::vector<double>& plane) const {
-    return Sum<1, true>({covered_, plane.data()});
-  }
+  std::vector<double> Block(const std::vector<double>& plane) const { return Sum<1, true>(plane); }
   /// Over the 5x5 ring, the pixel itself left out, so that its own samples have no influence.
   std::vector<double> Ring(const std::vector<double>& plane) const {
-    return Sum<kReach, false>({covered_, plane.data()});
+    return Sum<kReach, false>(plane);
   }
 
  private:
-  template <int kRadius, bool kWithCentre>
-  std::vector<double> Sum(const Plane& plane) const {
-    // Sums of rows first, then of columns of these sums; the pixel's own row comes last, so that
-    // leaving the pixel out needs no subtraction.
-    const int rows = wanted_.Height() + 2 * kRadius, width = wanted_.Width();
-    std::vector<double> row_sums(static_cast<size_t>(rows) * width);
-    for (int j = 0; j < rows; ++j) {
-      for (int i = 0; i < width; ++i) {
-        row_sums[static_cast<size_t>(j) * width + i] =
-            RowSum<kRadius, true>(plane, wanted_.x0 + i, wanted_.y0 + j - kRadius);
-      }
+  // Sums of rows first, then of columns of these sums; the pixel's own row comes last, so that
+  // leaving the pixel out needs no subtraction.
+  template <size_t kRadius, bool kWithCentre>
+  std::vector<double> Sum(const std::vector<double>& plane) const {
+    const size_t rows = height_ + 2 * kRadius;
+    std::vector<double> row_sums(rows * width_);
+    for (size_t j = 0; j < rows; ++j) {
+      AddRow<kRadius, true>(&plane[RowStart(j + kReach - kRadius)], &row_sums[j * width_]);
     }
-    std::vector<double> sums;
-    sums.reserve(static_cast<size_t>(wanted_.Pixels()));
-    for (int y = 0; y < wanted_.Height(); ++y) {
-      for (int x = 0; x < width; ++x) {
-        double sum = 0;
-        for (int j = 0; j <= 2 * kRadius; ++j) {
-          if (j != kRadius) sum += row_sums[static_cast<size_t>(y + j) * width + x];
-        }
-        sums.push_back(sum + RowSum<kRadius, kWithCentre>(plane, wanted_.x0 + x, wanted_.y0 + y));
+    std::vector<double> sums(height_ * width_);
+    for (size_t y = 0; y < height_; ++y) {
+      double* sum = &sums[y * width_];
+      for (size_t j = 0; j <= 2 * kRadius; ++j) {
+        if (j == kRadius) continue;
+        const double* row = &row_sums[(y + j) * width_];
+        for (size_t x = 0; x < width_; ++x) sum[x] += row[x];
       }
+      AddRow<kRadius, kWithCentre>(&plane[RowStart(y + kReach)], sum);
     }
     return sums;
   }
 
-  template <int kRadius, bool kWithCentre>
-  static double RowSum(const Plane& plane, int x, int y) {
-    double sum = 0;
-    for (int dx = -kRadius; dx <= kRadius; ++dx) {
-      if (kWithCentre || dx != 0) sum += plane.At(x + dx, y);
+  /// Where a row of the plane begins, counted from the margin's first one.
+  size_t RowStart(size_t row) const { return row * (width_ + 2 * kReach); }
+
+  template <size_t kRadius, bool kWithCentre>
+  void AddRow(const double* row, double* sums) const {
+    for (size_t x = 0; x < width_; ++x) {
+      double sum = 0;
+      for (size_t k = kReach - kRadius; k <= kReach + kRadius; ++k) {
+        if (kWithCentre || k != kReach) sum += row[x + k];
+      }
+      sums[x] += sum;
     }
-    return sum;
   }
 
-  const PixelRect& wanted_;
-  const PixelRect& covered_;
+  size_t width_, height_;
 };
 
 }  // namespace
@@ -93,28 +82,31 @@ class Neighbourhoods {
 EstimateInput GatherEstimateInput(const Film& film, const PixelRect& wanted) {
   const PixelRect& crop = film.geometry().grid.crop;
   const PixelLayout& layout = film.geometry().layout;
+  const size_t stride = static_cast<size_t>(wanted.Width()) + 2 * kReach;
+  const size_t pixels = stride * (static_cast<size_t>(wanted.Height()) + 2 * kReach);
   EstimateInput input;
   input.wanted = wanted;
-  input.covered = {std::max(wanted.x0 - kReach, crop.x0), std::max(wanted.y0 - kReach, crop.y0),
-                   std::min(wanted.x1 + kReach, crop.x1), std::min(wanted.y1 + kReach, crop.y1)};
-  const size_t pixels = static_cast<size_t>(input.covered.Pixels());
-  input.samples.reserve(pixels);
-  input.nonfinite.reserve(pixels);
+  input.samples.resize(pixels);
+  input.nonfinite.resize(pixels);
   for (auto* planes : {&input.mean, &input.error_squared, &input.m2, &input.m3}) {
-    for (std::vector<double>& plane : *planes) plane.reserve(pixels);
+    for (std::vector<double>& plane : *planes) plane.resize(pixels);
   }
-  for (int y = input.covered.y0; y < input.covered.y1; ++y) {
-    for (int x = input.covered.x0; x < input.covered.x1; ++x) {
-      const PixelCounts& counts = film.Counts(x, y);
-      const double* values = film.Values(x, y);
-      input.samples.push_back(static_cast<double>(kReplicates) * counts.samples);
-      input.nonfinite.push_back(counts.nonfinite > 0);
+  const int x0 = std::max(wanted.x0 - kMargin, crop.x0),
+            x1 = std::min(wanted.x1 + kMargin, crop.x1);
+  const int y0 = std::max(wanted.y0 - kMargin, crop.y0),
+            y1 = std::min(wanted.y1 + kMargin, crop.y1);
+  for (int y = y0; y < y1; ++y) {
+    size_t k = static_cast<size_t>(y - (wanted.y0 - kMargin)) * stride +
+               static_cast<size_t>(x0 - (wanted.x0 - kMargin));
+    for (int x = x0; x < x1; ++x, ++k) {
+      const FilmPixel pixel = film.At(x, y);
+      input.samples[k] = static_cast<double>(kReplicates) * pixel.counts->samples;
+      input.nonfinite[k] = pixel.counts->nonfinite > 0;
       for (int c = 0; c < kColours; ++c) {
-        const double mean = PooledMean(layout, values, c);
-        input.mean[c].push_back(mean);
-        input.error_squared[c].push_back(ErrorSquared(layout, values, c, mean));
-        input.m2[c].push_back(values[layout.M2(c)]);
-        input.m3[c].push_back(values[layout.M3(c)]);
+        input.mean[c][k] = PooledMean(layout, pixel.values, c);
+        input.error_squared[c][k] = ErrorSquared(layout, pixel.values, c, input.mean[c][k]);
+        input.m2[c][k] = pixel.values[layout.M2(c)];
+        input.m3[c][k] = pixel.values[layout.M3(c)];
       }
     }
   }
@@ -122,7 +114,7 @@ EstimateInput GatherEstimateInput(const Film& film, const PixelRect& wanted) {
 }
 
 std::vector<PixelEstimate> Estimate(const EstimateInput& input) {
-  const Neighbourhoods around(input.wanted, input.covered);
+  const Neighbourhoods around(input.wanted);
   const size_t pixels = static_cast<size_t>(input.wanted.Pixels());
   std::vector<PixelEstimate> estimates(pixels);
 
@@ -132,12 +124,9 @@ std::vector<PixelEstimate> Estimate(const EstimateInput& input) {
   const std::vector<double> block_pixels = around.Block(has_samples);
   const std::vector<double> ring_samples = around.Ring(input.samples);
 
-  const auto covered_index = [&](size_t i) {
-    const size_t x = i % static_cast<size_t>(input.wanted.Width());
-    const size_t y = i / static_cast<size_t>(input.wanted.Width());
-    return (y + static_cast<size_t>(input.wanted.y0 - input.covered.y0)) *
-               static_cast<size_t>(input.covered.Width()) +
-           x + static_cast<size_t>(input.wanted.x0 - input.covered.x0);
+  const size_t width = static_cast<size_t>(input.wanted.Width());
+  const auto input_index = [width](size_t i) {
+    return (i / width + kReach) * (width + 2 * kReach) + i % width + kReach;
   };
   for (int c = 0; c < kColours; ++c) {
     // n times the squared error: what one sample contributes, comparable between pixels whose
@@ -150,7 +139,7 @@ std::vector<PixelEstimate> Estimate(const EstimateInput& input) {
     const std::vector<double> ring_m2 = around.Ring(input.m2[c]);
     const std::vector<double> ring_m3 = around.Ring(input.m3[c]);
     for (size_t i = 0; i < pixels; ++i) {
-      const size_t k = covered_index(i);
+      const size_t k = input_index(i);
       const double n = input.samples[k];
       if (n == 0) continue;
       PixelEstimate& estimate = estimates[i];
@@ -164,7 +153,7 @@ std::vector<PixelEstimate> Estimate(const EstimateInput& input) {
     }
   }
   for (size_t i = 0; i < pixels; ++i) {
-    const size_t k = covered_index(i);
+    const size_t k = input_index(i);
     estimates[i].samples = static_cast<uint64_t>(input.samples[k]);
     if (!input.nonfinite[k]) continue;
     estimates[i].flags |= kFlagNonFinite;

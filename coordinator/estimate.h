@@ -27,15 +27,16 @@ struct PixelEstimate {
   uint32_t flags = 0;                    ///< kFlagSkew, kFlagNonFinite.
 };
 
-/// What the estimates of a rectangle are made of: its pixels and, for the neighbourhoods, those
-/// within two pixels of it that are in the crop. Copied from a film so that nothing is locked while
+/// What the estimates of a rectangle are made of: its pixels and, for the neighbourhoods, a margin
+/// around it, with zeros outside the crop. Copied from a film so that nothing is locked while
 /// estimates are computed.
 struct EstimateInput {
-  PixelRect wanted, covered;
-  /// For each covered pixel, row-major.
+  static constexpr int kMargin = 2;  ///< The reach of the largest neighbourhood, the 5x5 ring.
+  PixelRect wanted;
+  /// For each pixel of the rectangle and its margin, row-major.
   std::vector<double> samples;  ///< Over all replicates.
   std::vector<uint8_t> nonfinite;
-  /// For each colour, each covered pixel.
+  /// The same for each colour.
   std::vector<double> mean[kColours], error_squared[kColours], m2[kColours], m3[kColours];
 };
 

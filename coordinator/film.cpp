@@ -6,11 +6,14 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cerrno>
 #include <cstring>
 #include <string_view>
 #include <system_error>
+#include <thread>
 
 #include "coordinator/pixel_merge.h"
 
@@ -174,19 +177,14 @@ std::byte* Film::PixelRecord(uint32_t tile, int64_t pixel) const {
   return TileRecord(tile) + kTileHeaderBytes + static_cast<size_t>(pixel) * pixel_bytes_;
 }
 
-std::byte* Film::PixelRecordAt(int x, int y) const {
+FilmPixel Film::At(int x, int y) const {
   const TileGrid& grid = geometry_.grid;
   const uint32_t tile = grid.IndexOf(x, y);
   const PixelRect rect = grid.Rect(tile);
-  return PixelRecord(tile, static_cast<int64_t>(y - rect.y0) * rect.Width() + (x - rect.x0));
-}
-
-const PixelCounts& Film::Counts(int x, int y) const {
-  return *reinterpret_cast<const PixelCounts*>(PixelRecordAt(x, y));
-}
-
-const double* Film::Values(int x, int y) const {
-  return reinterpret_cast<const double*>(PixelRecordAt(x, y) + sizeof(PixelCounts));
+  const std::byte* record =
+      PixelRecord(tile, static_cast<int64_t>(y - rect.y0) * rect.Width() + (x - rect.x0));
+  return {reinterpret_cast<const PixelCounts*>(record),
+          reinterpret_cast<const double*>(record + sizeof(PixelCounts))};
 }
 
 MergeFront Film::Front(uint32_t tile) const {
@@ -209,26 +207,44 @@ void Film::Merge(const Partial& partial, MergeFront next) {
   *reinterpret_cast<MergeFront*>(TileRecord(partial.unit.tile)) = next;
 }
 
-Digest Film::ResultDigest() const {
+Digest Film::RowDigest(int y) const {
   const PixelRect& crop = geometry_.grid.crop;
   const size_t doubles = static_cast<size_t>(geometry_.layout.Doubles());
   const size_t entry_bytes = 2 * sizeof(uint32_t) + doubles * sizeof(double);
+  std::vector<std::byte> row(static_cast<size_t>(crop.Width()) * entry_bytes);
+  std::byte* entry = row.data();
+  for (int x = crop.x0; x < crop.x1; ++x, entry += entry_bytes) {
+    const FilmPixel pixel = At(x, y);
+    std::memcpy(entry, &pixel.counts->samples, sizeof(uint32_t));
+    std::memcpy(entry + sizeof(uint32_t), &pixel.counts->nonfinite, sizeof(uint32_t));
+    std::memcpy(entry + 2 * sizeof(uint32_t), pixel.values, doubles * sizeof(double));
+  }
+  Sha256 sha;
+  sha.Update(row);
+  return sha.Finish();
+}
+
+Digest Film::ResultDigest() const {
+  const PixelRect& crop = geometry_.grid.crop;
+  std::vector<Digest> rows(static_cast<size_t>(crop.Height()));
+  std::atomic<size_t> next{0};
+  const auto work = [&] {
+    for (size_t i = next++; i < rows.size(); i = next++) {
+      rows[i] = RowDigest(crop.y0 + static_cast<int>(i));
+    }
+  };
+  {
+    const size_t threads = std::min<size_t>(std::thread::hardware_concurrency(), rows.size());
+    std::vector<std::jthread> helpers;
+    for (size_t t = 1; t < threads; ++t) helpers.emplace_back(work);
+    work();
+  }
   const int32_t frame[] = {
       crop.x0, crop.y0, crop.x1, crop.y1, geometry_.layout.estimated, geometry_.layout.plain};
   Sha256 sha;
   sha.Update("strata result 1\n");
   sha.Update(std::as_bytes(std::span(frame)));
-  std::vector<std::byte> row(static_cast<size_t>(crop.Width()) * entry_bytes);
-  for (int y = crop.y0; y < crop.y1; ++y) {
-    std::byte* entry = row.data();
-    for (int x = crop.x0; x < crop.x1; ++x, entry += entry_bytes) {
-      const PixelCounts& counts = Counts(x, y);
-      std::memcpy(entry, &counts.samples, sizeof(uint32_t));
-      std::memcpy(entry + sizeof(uint32_t), &counts.nonfinite, sizeof(uint32_t));
-      std::memcpy(entry + 2 * sizeof(uint32_t), Values(x, y), doubles * sizeof(double));
-    }
-    sha.Update(row);
-  }
+  for (const Digest& row : rows) sha.Update(std::as_bytes(std::span(row.bytes)));
   return sha.Finish();
 }
 

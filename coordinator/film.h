@@ -33,6 +33,11 @@ struct PixelCounts {
   uint32_t nonfinite = 0;  ///< Over all replicates.
 };
 
+struct FilmPixel {
+  const PixelCounts* counts;
+  const double* values;  ///< layout.Doubles() numbers.
+};
+
 /// The next unit of a tile in plan order: all before it are merged.
 struct MergeFront {
   uint32_t round = 0;
@@ -56,10 +61,8 @@ class Film {
 
   const FilmGeometry& geometry() const { return geometry_; }
 
-  /// Of a pixel of the crop, in frame coordinates.
-  const PixelCounts& Counts(int x, int y) const;
-  /// layout.Doubles() numbers.
-  const double* Values(int x, int y) const;
+  /// A pixel of the crop, in frame coordinates.
+  FilmPixel At(int x, int y) const;
   MergeFront Front(uint32_t tile) const;
 
   /// Adds what CheckPartial found in order to its tile and moves the tile's front. The order of the
@@ -67,14 +70,14 @@ class Film {
   void Merge(const Partial& partial, MergeFront next);
 
   /// Over the counts, means and moments of all pixels, row-major over the crop: the same for any
-  /// tile size.
+  /// tile size. Uses all cores, since hashing a 4K frame takes seconds on one.
   Digest ResultDigest() const;
 
  private:
   Film(std::byte* data, size_t bytes, const FilmGeometry& geometry);
   std::byte* TileRecord(uint32_t tile) const;
   std::byte* PixelRecord(uint32_t tile, int64_t pixel) const;
-  std::byte* PixelRecordAt(int x, int y) const;
+  Digest RowDigest(int y) const;
 
   std::byte* data_;
   size_t bytes_;

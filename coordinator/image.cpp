@@ -58,7 +58,7 @@ std::vector<double> GatherPlain(const Film& film, const PixelRect& wanted) {
   plain.reserve(static_cast<size_t>(wanted.Pixels()) * static_cast<size_t>(layout.plain));
   for (int y = wanted.y0; y < wanted.y1 && layout.plain > 0; ++y) {
     for (int x = wanted.x0; x < wanted.x1; ++x) {
-      const double* values = film.Values(x, y) + layout.Plain(0);
+      const double* values = film.At(x, y).values + layout.Plain(0);
       plain.insert(plain.end(), values, values + layout.plain);
     }
   }

@@ -34,7 +34,7 @@ class FailureTest : public FarmTest {
 };
 
 TEST_F(FailureTest, ASilentWorkerLosesItsLeasesAndComesBackHarmlessly) {
-  const JobSpec spec = Spec(64, 64, 512);
+  const JobSpec spec = Spec(32, 32, 512);
   const Digest expected = Expected(spec);
   const JobId job = Submit(spec);
   FakeWorker& stopped = Join("stopped");
@@ -50,13 +50,13 @@ TEST_F(FailureTest, ASilentWorkerLosesItsLeasesAndComesBackHarmlessly) {
   stopped.Send(late, now_);
   stopped.Send(late, now_);
   EXPECT_EQ(Status(job).result, expected);
-  EXPECT_EQ(Status(job).samples, 64u * 64 * 512);
+  EXPECT_EQ(Status(job).samples, 32u * 32 * 512);
   EXPECT_EQ(farm_->Workers(now_)[0].state, "idle");
   EXPECT_TRUE(stopped.todo().empty()) << "it was told to give its leases up";
 }
 
 TEST_F(FailureTest, ALateResultOfALostLeaseCountsWhileItIsStillWanted) {
-  const JobSpec spec = Spec(64, 64, 512);
+  const JobSpec spec = Spec(32, 32, 512);
   const Digest expected = Expected(spec);
   const JobId job = Submit(spec);
   FakeWorker& stopped = Join("stopped");
@@ -70,7 +70,7 @@ TEST_F(FailureTest, ALateResultOfALostLeaseCountsWhileItIsStillWanted) {
 }
 
 TEST_F(FailureTest, AnyMessageRenewsALease) {
-  Submit(Spec(64, 64, 512));
+  Submit(Spec(32, 32, 512));
   FakeWorker& worker = Join();
   for (int i = 0; i < 10; ++i) {
     Pass(seconds(5));
@@ -80,7 +80,7 @@ TEST_F(FailureTest, AnyMessageRenewsALease) {
 }
 
 TEST_F(FailureTest, AStallOfTheCoordinatorIsForgiven) {
-  Submit(Spec(64, 64, 512));
+  Submit(Spec(32, 32, 512));
   Join();
   Pass(seconds(1));
   now_ += seconds(60);
@@ -91,7 +91,7 @@ TEST_F(FailureTest, AStallOfTheCoordinatorIsForgiven) {
 }
 
 TEST_F(FailureTest, UnitsOfAVanishedWorkerAreLeasedSingly) {
-  const JobSpec spec = Spec(128, 128, 512);
+  const JobSpec spec = Spec(64, 64, 512);
   const Digest expected = Expected(spec);
   const JobId job = Submit(spec);
   FakeWorker& first = Join();
@@ -116,7 +116,7 @@ TEST_F(FailureTest, UnitsOfAVanishedWorkerAreLeasedSingly) {
 }
 
 TEST_F(FailureTest, AUnitThatFailsOnThreeWorkersFailsItsJob) {
-  const JobId job = Submit(Spec(64, 64, 512));
+  const JobId job = Submit(Spec(32, 32, 512));
   for (int i = 0; i < 4; ++i) Join();
   const UnitId poison = workers_[0].todo().front().second.id;
   const auto poisoned = [&](FakeWorker& worker) {
@@ -141,7 +141,7 @@ TEST_F(FailureTest, AUnitThatFailsOnThreeWorkersFailsItsJob) {
 }
 
 TEST_F(FailureTest, AUnitThatKillsThreeWorkersFailsItsJob) {
-  const JobId job = Submit(Spec(64, 64, 512));
+  const JobId job = Submit(Spec(32, 32, 512));
   const UnitId poison = Join().todo().front().second.id;
   for (int i = 0; i < 3; ++i) {
     FakeWorker& worker = workers_.back();
@@ -159,7 +159,7 @@ TEST_F(FailureTest, AUnitThatKillsThreeWorkersFailsItsJob) {
 }
 
 TEST_F(FailureTest, AFailureThatPassesDoesNoHarm) {
-  const JobSpec spec = Spec(64, 64, 512);
+  const JobSpec spec = Spec(32, 32, 512);
   const Digest expected = Expected(spec);
   const JobId job = Submit(spec);
   FakeWorker& only = Join();
@@ -171,7 +171,7 @@ TEST_F(FailureTest, AFailureThatPassesDoesNoHarm) {
 }
 
 TEST_F(FailureTest, ASceneThatDoesNotLoadIsConfirmedByASecondWorker) {
-  const JobId job = Submit(Spec(64, 64, 512));
+  const JobId job = Submit(Spec(32, 32, 512));
   FakeWorker& first = Join();
   FakeWorker& second = Join();
   first.Fail("scene.pbrt:3: unknown shape", "", true, now_);
@@ -183,13 +183,13 @@ TEST_F(FailureTest, ASceneThatDoesNotLoadIsConfirmedByASecondWorker) {
 }
 
 TEST_F(FailureTest, ASceneThatDoesNotLoadOnTheOnlyWorkerFailsAtOnce) {
-  const JobId job = Submit(Spec(64, 64, 512));
+  const JobId job = Submit(Spec(32, 32, 512));
   Join().Fail("scene.pbrt:3: unknown shape", "", true, now_);
   EXPECT_EQ(Status(job).state, JobState::kFailed);
 }
 
 TEST_F(FailureTest, NonsenseIsRefusedAndItsSenderSentAway) {
-  const JobSpec spec = Spec(64, 64, 512);
+  const JobSpec spec = Spec(32, 32, 512);
   const Digest expected = Expected(spec);
   const JobId job = Submit(spec);
   FakeWorker& good = Join("good");
@@ -227,7 +227,7 @@ TEST_F(FailureTest, ResultsOfUnknownJobsAndUnitsAreIgnored) {
 }
 
 TEST_F(FailureTest, ReproducibleJobsTakeWorkersOfOneClassAlone) {
-  const JobId job = Submit(Spec(64, 64, 512));
+  const JobId job = Submit(Spec(32, 32, 512));
   FakeWorker& first = Join("first");
   EXPECT_EQ(first.leases_granted(), 2);
   Hello other = TestHello("other");
@@ -245,7 +245,7 @@ TEST_F(FailureTest, ReproducibleJobsTakeWorkersOfOneClassAlone) {
 }
 
 TEST_F(FailureTest, OtherJobsTakeAnyWorker) {
-  JobSpec spec = Spec(64, 64, 512);
+  JobSpec spec = Spec(32, 32, 512);
   spec.reproducible = false;
   Submit(spec);
   EXPECT_EQ(Join("first").leases_granted(), 2);

@@ -168,7 +168,7 @@ class FarmTest : public ::testing::Test {
     ASSERT_TRUE((*upload)->Finish().ok());
   }
 
-  JobSpec Spec(int width, int height, uint32_t spp, int tile = 16) const {
+  JobSpec Spec(int width, int height, uint32_t spp, int tile = 8) const {
     JobSpec spec;
     spec.name = "test";
     spec.bundle = {"scene.pbrt", {scene_}};

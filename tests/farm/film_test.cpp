@@ -59,7 +59,7 @@ TEST_F(FilmTest, IsReadAsItWasWritten) {
   EXPECT_EQ((*read)->geometry(), geometry);
   EXPECT_EQ((*read)->ResultDigest(), digest);
   EXPECT_EQ((*read)->Front(0), (MergeFront{0, 1}));
-  EXPECT_EQ((*read)->Counts(10, 10).samples, 8u);
+  EXPECT_EQ((*read)->At(10, 10).counts->samples, 8u);
 }
 
 TEST_F(FilmTest, HoldsWhatTheWorkerSentForAPixel) {
@@ -70,10 +70,10 @@ TEST_F(FilmTest, HoldsWhatTheWorkerSentForAPixel) {
   const Partial partial = FakeRender(spec_, *plan.Unit({0, tile, 0}));
   const PixelRect rect = plan.grid.Rect(tile);
   const size_t i = static_cast<size_t>((30 - rect.y0) * rect.Width() + (20 - rect.x0));
-  EXPECT_EQ(film->Counts(20, 30).rays, partial.rays[i]);
+  EXPECT_EQ(film->At(20, 30).counts->rays, partial.rays[i]);
   const size_t doubles = static_cast<size_t>(partial.layout.Doubles());
   for (size_t k = 0; k < doubles; ++k) {
-    EXPECT_EQ(film->Values(20, 30)[k], partial.values[i * doubles + k]);
+    EXPECT_EQ(film->At(20, 30).values[k], partial.values[i * doubles + k]);
   }
 }
 
@@ -111,14 +111,14 @@ TEST_F(FilmTest, ResultDigestCoversCountsMeansAndMoments) {
   MergeAll(*film, spec_);
   const Digest digest = film->ResultDigest();
   const PixelLayout layout = LayoutOf(spec_);
-  double* values = const_cast<double*>(film->Values(37, 34));
+  double* values = const_cast<double*>(film->At(37, 34).values);
   for (const int k : {layout.Mean(7, 2), layout.M2(1), layout.M3(0), layout.Plain(2)}) {
     const double kept = values[k];
     values[k] = std::nextafter(kept, 2 * kept);
     EXPECT_NE(film->ResultDigest(), digest) << k;
     values[k] = kept;
   }
-  PixelCounts& counts = const_cast<PixelCounts&>(film->Counts(1, 2));
+  PixelCounts& counts = const_cast<PixelCounts&>(*film->At(1, 2).counts);
   ++counts.nonfinite;
   EXPECT_NE(film->ResultDigest(), digest);
   --counts.nonfinite;

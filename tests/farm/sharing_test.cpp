@@ -37,32 +37,32 @@ class SharingTest : public FarmTest {
 };
 
 TEST_F(SharingTest, EqualJobsGetEqualShares) {
-  const JobId a = Submit(Spec(64, 64, 8 * 32 * 40)), b = Submit(Spec(64, 64, 8 * 32 * 40));
+  const JobId a = Submit(Spec(32, 32, 8 * 32 * 40)), b = Submit(Spec(32, 32, 8 * 32 * 40));
   for (int i = 0; i < 3; ++i) Join();
   EXPECT_NEAR(Share(a, b, 150), 0.5, 0.05);
   EXPECT_NEAR(Share(a, b, 60), 0.5, 0.05);
 }
 
 TEST_F(SharingTest, JobsOfDifferentTilesGetEqualShares) {
-  const JobId a = Submit(Spec(64, 64, 8 * 32 * 60, 8)), b = Submit(Spec(64, 64, 8 * 32 * 60, 16));
+  const JobId a = Submit(Spec(32, 32, 8 * 32 * 60, 8)), b = Submit(Spec(32, 32, 8 * 32 * 60, 16));
   for (int i = 0; i < 3; ++i) Join();
   EXPECT_NEAR(Share(a, b, 200), 0.5, 0.05);
 }
 
 TEST_F(SharingTest, AJobThatComesLaterSharesFromThenOn) {
-  const JobId a = Submit(Spec(64, 64, 8 * 32 * 60));
+  const JobId a = Submit(Spec(32, 32, 8 * 32 * 60));
   for (int i = 0; i < 3; ++i) Join();
   Run(100);
-  const JobId b = Submit(Spec(64, 64, 8 * 32 * 60));
+  const JobId b = Submit(Spec(32, 32, 8 * 32 * 60));
   Run(10);  // Leases that are out end first.
   EXPECT_NEAR(Share(a, b, 100), 0.5, 0.05);
 }
 
 TEST_F(SharingTest, HigherPriorityGoesFirst) {
-  const JobId low = Submit(Spec(64, 64, 8 * 32 * 60));
+  const JobId low = Submit(Spec(32, 32, 8 * 32 * 60));
   for (int i = 0; i < 3; ++i) Join();
   Run(20);
-  JobSpec spec = Spec(64, 64, 8 * 32 * 10);
+  JobSpec spec = Spec(32, 32, 8 * 32 * 10);
   spec.priority = 1;
   const JobId high = Submit(spec);
   Run(20);  // Leases that are out end first.
@@ -76,7 +76,7 @@ TEST_F(SharingTest, HigherPriorityGoesFirst) {
 }
 
 TEST_F(SharingTest, PriorityCanBeChanged) {
-  const JobId a = Submit(Spec(64, 64, 8 * 32 * 60)), b = Submit(Spec(64, 64, 8 * 32 * 60));
+  const JobId a = Submit(Spec(32, 32, 8 * 32 * 60)), b = Submit(Spec(32, 32, 8 * 32 * 60));
   Join();
   ASSERT_TRUE(farm_->SetPriority(b, 5, now_).ok());
   Run(10);
@@ -85,7 +85,7 @@ TEST_F(SharingTest, PriorityCanBeChanged) {
 }
 
 TEST_F(SharingTest, APausedJobGetsNothingUntilItIsResumed) {
-  const JobId a = Submit(Spec(64, 64, 8 * 32 * 40)), b = Submit(Spec(64, 64, 8 * 32 * 40));
+  const JobId a = Submit(Spec(32, 32, 8 * 32 * 40)), b = Submit(Spec(32, 32, 8 * 32 * 40));
   for (int i = 0; i < 3; ++i) Join();
   Run(30);
   ASSERT_TRUE(farm_->Pause(a, now_).ok());
@@ -101,7 +101,7 @@ TEST_F(SharingTest, APausedJobGetsNothingUntilItIsResumed) {
 }
 
 TEST_F(SharingTest, ACancelledJobStopsAndCanBeRetriedToTheSameBits) {
-  const JobSpec spec = Spec(64, 64, 8 * 32 * 10);
+  const JobSpec spec = Spec(32, 32, 8 * 32 * 10);
   const JobId whole = Submit(spec);
   Join();
   Join();
@@ -150,7 +150,7 @@ TEST_F(SharingTest, StragglersAreDuplicatedForIdleWorkers) {
 
 TEST_F(SharingTest, AStuckFrontHoldsItsTileBack) {
   // One tile of 64 pieces; the first piece is never finished.
-  Submit(Spec(16, 16, 8 * 32 * 64));
+  Submit(Spec(8, 8, 8 * 32 * 64));
   FakeWorker& stuck = Join("stuck");
   EXPECT_EQ(stuck.todo().front().second.id.piece, 0u);
   stuck.Render();
@@ -166,7 +166,7 @@ TEST_F(SharingTest, AStuckFrontHoldsItsTileBack) {
 }
 
 TEST_F(SharingTest, LeasesGrowToAboutASecond) {
-  Submit(Spec(256, 256, 8 * 32 * 8));
+  Submit(Spec(128, 128, 8 * 32 * 8));
   FakeWorker& worker = Join();
   for (int i = 0; i < 40; ++i) {
     worker.RenderAndSend(now_);
@@ -178,7 +178,7 @@ TEST_F(SharingTest, LeasesGrowToAboutASecond) {
 }
 
 TEST_F(SharingTest, AWorkerHoldsTwoLeases) {
-  Submit(Spec(64, 64, 256));
+  Submit(Spec(32, 32, 256));
   FakeWorker& worker = Join();
   EXPECT_EQ(worker.leases_granted(), 2);
   worker.RenderAndSend(now_);
@@ -186,7 +186,7 @@ TEST_F(SharingTest, AWorkerHoldsTwoLeases) {
 }
 
 TEST_F(SharingTest, ADrainingWorkerFinishesWhatItHolds) {
-  const JobId job = Submit(Spec(64, 64, 256));
+  const JobId job = Submit(Spec(32, 32, 256));
   FakeWorker& worker = Join();
   ASSERT_TRUE(farm_->Drain(worker.id()).ok());
   EXPECT_EQ(worker.drains(), 1);
