@@ -248,6 +248,19 @@ TEST(Materials, MayBeUsedBeforeTheirDefinition) {
   MaterialOf<DiffuseMaterial>(scene, mix.a);
 }
 
+TEST(AreaLights, MayPrecedeTheirMaterialToo) {
+  const PbrtScene scene = World(R"(
+    AreaLightSource "diffuse"
+    NamedMaterial "solid" Shape "sphere"
+    NamedMaterial "border" Shape "sphere"
+    MakeNamedMaterial "solid" "string type" "diffuse"
+    MakeNamedMaterial "border" "string type" "interface")");
+  EXPECT_TRUE(scene.scene.shapes.at(0).emission.has_value());
+  EXPECT_FALSE(scene.scene.shapes.at(1).emission.has_value());
+  ASSERT_EQ(scene.warnings.size(), 1u);
+  EXPECT_EQ(scene.warnings[0].where.line, 5);
+}
+
 TEST(Materials, WarnOfWhatTheyLeaveOut) {
   SceneFolder folder;
   folder.Write("bumps.png", "");

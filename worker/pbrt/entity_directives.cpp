@@ -112,10 +112,6 @@ absl::Status SceneParser::AreaLightSource() {
 
 absl::Status SceneParser::PlaceEmission(ShapeDescription& shape) {
   const AreaLight& light = *state_.area_light;
-  if (std::holds_alternative<InterfaceMaterial>(context_.scene.materials[shape.material])) {
-    context_.Warn(Here(), "a shape of \"interface\" material does not emit light");
-    return absl::OkStatus();
-  }
   if (open_object_) {
     context_.Warn(Here(), "area lights in objects are not supported; the shape does not emit");
     return absl::OkStatus();

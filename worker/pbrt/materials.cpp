@@ -217,7 +217,7 @@ absl::Status MaterialTable::Define(const std::string& name, std::string_view col
 MaterialId MaterialTable::Use(const std::string& name, const SourceLocation& where) {
   const auto [it, is_new] = named_.try_emplace(name);
   if (is_new) {
-    context_.scene.materials.push_back(InterfaceMaterial{});
+    context_.scene.materials.push_back(DiffuseMaterial{});  // until it is defined
     where_.push_back(where);
     it->second = {static_cast<MaterialId>(where_.size() - 1), where, false};
   }

@@ -149,7 +149,20 @@ absl::Status SceneParser::Finish() {
                    StrCat("there is no object \"", context_.scene.objects[i].name,
                           "\"; define it with ObjectBegin"));
   }
-  return materials_.CheckAllDefined();
+  STRATA_RETURN_IF_ERROR(materials_.CheckAllDefined());
+  DarkenInterfaces();
+  return absl::OkStatus();
+}
+
+void SceneParser::DarkenInterfaces() {
+  for (ShapeDescription& shape : context_.scene.shapes) {
+    if (!shape.emission ||
+        !std::holds_alternative<InterfaceMaterial>(context_.scene.materials[shape.material])) {
+      continue;
+    }
+    context_.Warn(shape.where, "a shape of \"interface\" material does not emit light");
+    shape.emission.reset();
+  }
 }
 
 absl::Status SceneParser::Include() {

@@ -61,6 +61,8 @@ class SceneParser {
   absl::Status CloseFile();
   absl::Status RunDirective(const Token& token);
   absl::Status Finish();
+  /// Border surfaces of media do not emit, as in pbrt. Materials may be defined after their use.
+  void DarkenInterfaces();
 
   // ---- what directives read of the current file ----
   Tokenizer& tokens() { return *files_.back().tokens; }
