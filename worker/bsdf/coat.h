@@ -63,9 +63,10 @@ inline CoatDirection EnterCoat(const Coat& coat, float cos_theta) {
 
 /// What the layer lets through along a path of `length` times its thickness.
 inline Rgb CoatTransmittance(const Coat& coat, float length) {
-  if (IsBlack(coat.optical_depth)) return Rgb::Gray(1);
-  return {Exp(-coat.optical_depth.r * length), Exp(-coat.optical_depth.g * length),
-          Exp(-coat.optical_depth.b * length)};
+  const Rgb depth = coat.optical_depth;
+  if (IsBlack(depth)) return Rgb::Gray(1);
+  if (depth.r == depth.g && depth.g == depth.b) return Rgb::Gray(Exp(-depth.r * length));
+  return {Exp(-depth.r * length), Exp(-depth.g * length), Exp(-depth.b * length)};
 }
 
 /// Of the light that enters a smooth coat from a cosine, over a metal of roughness alpha that

@@ -75,6 +75,9 @@ FilterAxis::FilterAxis(FilterKind kind, double radius, const FilterSpec& spec) {
 }
 
 FilterAxis::Point FilterAxis::Sample(float u) const {
+  if (cells_.size() == 1) {  // The box; u stands for the middle of its 2^-24.
+    return {cells_[0].start + cells_[0].width * (u + 0x1p-25f), cells_[0].weight};
+  }
   const PiecewiseConstant1D::Point chosen = choice_.Sample(u);
   const Cell& cell = cells_[chosen.cell];
   const float t = chosen.fraction;
