@@ -156,7 +156,7 @@ TEST_F(FarmTest, TellsALateSubscriberTheEnd) {
 }
 
 TEST_F(FarmTest, ReportsSamplesThatAreNotFinite) {
-  const JobId job = Submit(Spec(16, 16, 8));
+  const JobId job = Submit(Spec(16, 16, 8, 16));
   FakeWorker& worker = Join();
   UnitResult result = *worker.Render();
   result.partial.nonfinite[3] = 2;
