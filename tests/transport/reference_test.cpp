@@ -1,6 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 
@@ -125,12 +128,15 @@ TEST_P(ReferenceTest, RenderLooksLikeIt) {
   }
 }
 
+// Where less than 0.98 is asked: few paths find the lamps of veach-bidir and the windows of
+// classroom, and noise is what is left at this budget; the reference of veach-mis was rendered with
+// its conductors scaled by 0.3.
 INSTANTIATE_TEST_SUITE_P(Shared, ReferenceTest,
                          testing::Values(Case{"cornell-box", 32, 0.98, 0.005},
-                                         Case{"veach-bidir", 32, 0.9, 0.03},
-                                         Case{"coffee", 16, 0.9, 0}, Case{"veach-mis", 16, 0.9, 0},
+                                         Case{"veach-bidir", 64, 0.94, 0.03},
+                                         Case{"coffee", 16, 0.98, 0}, Case{"veach-mis", 16, 0.8, 0},
                                          Case{"classroom", 16, 0.9, 0},
-                                         Case{"staircase2", 16, 0.9, 0}),
+                                         Case{"staircase2", 16, 0.98, 0}),
                          [](const auto& info) {
                            std::string name = info.param.scene;
                            std::replace(name.begin(), name.end(), '-', '_');
