@@ -18,7 +18,8 @@ run=$(mktemp -d -t strata-quickstart.XXXXXXXX)
 
 finish() {
   local status=$?
-  trap - EXIT INT TERM
+  trap - EXIT
+  trap '' INT TERM  # One signal often comes twice: the cleaning up is not for interrupting.
   # Workers first, so that they can say goodbye.
   for ((i = ${#pids[@]} - 1; i >= 0; i--)); do
     kill "${pids[i]}" 2>/dev/null || true

@@ -26,7 +26,8 @@ compose() {
 
 finish() {
   local status=$?
-  trap - EXIT INT TERM
+  trap - EXIT
+  trap '' INT TERM  # One signal often comes twice: the cleaning up is not for interrupting.
   if [[ -n $brought_up ]]; then
     if ((status != 0)); then compose logs --tail 30 >&2 || true; fi
     # Nothing in here is worth a worker's time to finish.

@@ -24,7 +24,8 @@ start_engine() {
   mkdir -p build/docker
   local driver attempt
   for driver in overlay2 vfs; do
-    dockerd --host "unix://$engine_folder/docker.sock" --data-root "$PWD/build/docker/$driver" \
+    # In a session of its own: a signal to this script must not end it before the containers are down.
+    setsid dockerd --host "unix://$engine_folder/docker.sock" --data-root "$PWD/build/docker/$driver" \
       --exec-root "$engine_folder/exec" --pidfile "$engine_folder/pid" \
       --storage-driver "$driver" >"$engine_folder/log" 2>&1 8<&- &
     engine_pid=$!
