@@ -7,6 +7,7 @@
 #include <cstdlib>
 
 #include "cli/format.h"
+#include "common/text.h"
 
 namespace strata {
 namespace {
@@ -48,7 +49,7 @@ int Console::Width() const {
 
 void Console::Redraw(std::string_view line) {
   // Back to the first column, the line, and whatever the old line had beyond it erased.
-  Write(stderr, "\r" + std::string(line) + "\x1b[K");
+  Write(stderr, StrCat("\r", line, "\x1b[K"));
   drawn_ = true;
 }
 

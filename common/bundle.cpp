@@ -44,7 +44,8 @@ absl::StatusOr<std::string> ResolveBundlePath(std::string_view directory, std::s
   if (name.empty()) return absl::InvalidArgumentError("the file name is empty");
   if (name.front() == '/') {
     return absl::InvalidArgumentError(
-        StrCat("\"", std::string(name), "\" is an absolute path; name it relative to the scene's main file"));
+        StrCat("\"", std::string(name),
+               "\" is an absolute path; name it relative to the scene's main file"));
   }
   const std::string path =
       (std::filesystem::path(directory) / name).lexically_normal().generic_string();

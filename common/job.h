@@ -30,7 +30,7 @@ enum class FilterKind { kBox, kTriangle, kGaussian, kMitchell };
 struct FilterSpec {
   FilterKind kind = FilterKind::kBox;
   double radius_x = 0.5, radius_y = 0.5;
-  double sigma = 0.5;            ///< Gaussian: standard deviation in pixels.
+  double sigma = 0.5;               ///< Gaussian: standard deviation in pixels.
   double b = 1.0 / 3, c = 1.0 / 3;  ///< Mitchell.
   bool operator==(const FilterSpec&) const = default;
 };

@@ -11,8 +11,8 @@
 #include "common/unit.h"
 
 // What coordinator and worker say to each other, as values: the cores of both speak these over a
-// link (coordinator/worker_link.h, worker/session/coordinator_link.h), so that they can be tested without a network.
-// common/wire turns them into strata.v1 messages and back.
+// link (coordinator/worker_link.h, worker/session/coordinator_link.h), so that they can be tested
+// without a network. common/wire turns them into strata.v1 messages and back.
 
 namespace strata {
 
@@ -23,15 +23,15 @@ inline constexpr uint32_t kProtocol = 1;
 /// The first message of a worker.
 struct Hello {
   uint32_t protocol = kProtocol;
-  std::string build;            ///< Revision of the sources this worker was built from.
-  uint32_t kernel_revision = 0; ///< Grows whenever a change may alter the bits of a sample.
+  std::string build;             ///< Revision of the sources this worker was built from.
+  uint32_t kernel_revision = 0;  ///< Grows whenever a change may alter the bits of a sample.
   std::map<std::string, std::string> libraries;  ///< Name to version: embree, openimageio, ...
-  std::string isa;              ///< What Embree was pinned to, "avx2".
-  Digest traced;                ///< Digest of a small scene rendered by every compiled kernel.
-  std::string name;             ///< For people; need not be unique.
+  std::string isa;                               ///< What Embree was pinned to, "avx2".
+  Digest traced;     ///< Digest of a small scene rendered by every compiled kernel.
+  std::string name;  ///< For people; need not be unique.
   std::vector<std::string> tags;
   uint32_t threads = 0;
-  uint64_t memory_limit = 0;    ///< Bytes; 0: none.
+  uint64_t memory_limit = 0;  ///< Bytes; 0: none.
 };
 
 /// Sent whenever nothing else was for a heartbeat period.
@@ -57,23 +57,22 @@ struct UnitFailure {
   JobId job;
   uint64_t lease = 0;
   UnitId unit;
-  std::string reason;  ///< One sentence.
-  std::string replay;  ///< A command that shows the failure; may be empty.
+  std::string reason;     ///< One sentence.
+  std::string replay;     ///< A command that shows the failure; may be empty.
   bool job_wide = false;  ///< The fault is in the job's scene or spec and not in the unit.
 };
 
 /// No more leases, please: the worker leaves once it has sent what it holds.
 struct Draining {};
 
-using FromWorker =
-    std::variant<Hello, Heartbeat, FileRequest, UnitResult, UnitFailure, Draining>;
+using FromWorker = std::variant<Hello, Heartbeat, FileRequest, UnitResult, UnitFailure, Draining>;
 
 // ---- coordinator to worker ----
 
 struct Welcome {
-  std::string worker;          ///< The id the coordinator knows this worker by ("w-3").
-  uint32_t heartbeat_ms = 0;   ///< Send something at least this often.
-  uint32_t silence_ms = 0;     ///< After so long a silence leases are given to others.
+  std::string worker;         ///< The id the coordinator knows this worker by ("w-3").
+  uint32_t heartbeat_ms = 0;  ///< Send something at least this often.
+  uint32_t silence_ms = 0;    ///< After so long a silence leases are given to others.
 };
 
 /// The worker may not join; it prints the reason and ends (or retries where `retry` says so).
@@ -113,8 +112,8 @@ struct FileChunk {
 /// Finish what you hold, ask for no more.
 struct Drain {};
 
-using ToWorker = std::variant<Welcome, Refusal, JobDescription, Lease, CancelJob, CancelLease,
-                              FileChunk, Drain>;
+using ToWorker =
+    std::variant<Welcome, Refusal, JobDescription, Lease, CancelJob, CancelLease, FileChunk, Drain>;
 
 inline constexpr uint64_t kFileChunkBytes = 1 << 20;
 

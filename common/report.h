@@ -29,26 +29,26 @@ struct JobStatus {
   JobId id;
   JobSpec spec;
   JobState state = JobState::kQueued;
-  std::string message;        ///< Why it failed or waits; empty otherwise.
-  double fraction = 0;        ///< Share of the planned samples that are merged, 0 to 1.
-  uint64_t samples = 0;       ///< Merged samples; duplicates not counted.
+  std::string message;   ///< Why it failed or waits; empty otherwise.
+  double fraction = 0;   ///< Share of the planned samples that are merged, 0 to 1.
+  uint64_t samples = 0;  ///< Merged samples; duplicates not counted.
   uint64_t rays = 0;
   uint64_t nonfinite = 0;
-  double spp_mean = 0;        ///< Over the crop.
+  double spp_mean = 0;  ///< Over the crop.
   /// 99th percentile over pixels and channels of ci95 half-width over max(luminance, 5 % of the
   /// image mean luminance); 0 until every pixel has samples in all replicates.
   double rel_error = 0;
-  double flagged = 0;         ///< Share of pixels with a flag, 0 to 1.
+  double flagged = 0;  ///< Share of pixels with a flag, 0 to 1.
   double mean_rgb[3] = {0, 0, 0};
   double samples_per_second = 0;  ///< Over the last few seconds.
-  double eta_s = -1;          ///< Estimated seconds left; negative: unknown.
+  double eta_s = -1;              ///< Estimated seconds left; negative: unknown.
   double submitted_unix_s = 0;
-  double wall_s = 0;          ///< Since submission, until the end.
-  double load_s = 0;          ///< Longest time a worker took to load the scene.
-  double render_s = 0;        ///< From the first unit leased to the last merge.
-  int workers = 0;            ///< Workers that hold a lease of this job now.
+  double wall_s = 0;                   ///< Since submission, until the end.
+  double load_s = 0;                   ///< Longest time a worker took to load the scene.
+  double render_s = 0;                 ///< From the start of the first unit to the last merge.
+  int workers = 0;                     ///< Workers that hold a lease of this job now.
   std::vector<TileError> worst_tiles;  ///< At most 5, worst first.
-  Digest result;              ///< Over counts, means and moments of the film; valid when done.
+  Digest result;  ///< Over counts, means and moments of the film; valid when done.
 };
 
 struct WorkerStatus {
@@ -56,9 +56,9 @@ struct WorkerStatus {
   std::vector<std::string> tags;
   uint32_t threads = 0;
   int leases = 0;
-  uint64_t samples = 0;         ///< Merged from this worker since it joined.
+  uint64_t samples = 0;  ///< Merged from this worker since it joined.
   double connected_s = 0;
-  double silent_s = 0;          ///< Since the last byte heard.
+  double silent_s = 0;  ///< Since the last byte heard.
   std::string build;
 };
 

@@ -8,10 +8,10 @@
 #include <utility>
 
 /// Returns from the enclosing function when `expr`, an absl::Status, is not OK.
-#define STRATA_RETURN_IF_ERROR(expr)                \
-  do {                                              \
-    absl::Status strata_status = (expr);            \
-    if (!strata_status.ok()) return strata_status;  \
+#define STRATA_RETURN_IF_ERROR(expr)               \
+  do {                                             \
+    absl::Status strata_status = (expr);           \
+    if (!strata_status.ok()) return strata_status; \
   } while (false)
 
 #define STRATA_CONCAT_INNER(a, b) a##b

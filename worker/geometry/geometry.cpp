@@ -11,7 +11,8 @@ void SetRay(const Ray& from, RTCRay* to) {
   to->org_x = from.origin.x;
   to->org_y = from.origin.y;
   to->org_z = from.origin.z;
-  // Embree takes a hit at tnear itself, and a point of the plane y = 0 has no error to be offset by.
+  // Embree takes a hit at tnear itself, and a point of the plane y = 0 has no error to be offset
+  // by.
   to->tnear = std::numeric_limits<float>::min();
   to->dir_x = from.direction.x;
   to->dir_y = from.direction.y;

@@ -13,7 +13,8 @@ struct Vec3d {
 
 /// An affine or projective map in double, row-major, acting on column vectors: p' = M p.
 struct Transform {
-  std::array<std::array<double, 4>, 4> m = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}}};
+  std::array<std::array<double, 4>, 4> m = {
+      {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}}};
 
   static Transform Translate(double x, double y, double z);
   static Transform Scale(double x, double y, double z);

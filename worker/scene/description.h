@@ -49,11 +49,11 @@ struct ImageTexture {
   UvMapping mapping;
   ImageWrap wrap = ImageWrap::kRepeat;
   ImageEncoding encoding = ImageEncoding::kSrgb;
-  float gamma = 2.2f;        ///< For kGamma.
+  float gamma = 2.2f;  ///< For kGamma.
   float scale = 1;
-  bool invert = false;       ///< 1 - value, after `scale` (as pbrt: clamped at 0).
-  bool nearest = false;      ///< No filtering ("point"); bilinear otherwise.
-  bool scalar = false;       ///< A float texture: the mean of the channels in all of r, g, b.
+  bool invert = false;   ///< 1 - value, after `scale` (as pbrt: clamped at 0).
+  bool nearest = false;  ///< No filtering ("point"); bilinear otherwise.
+  bool scalar = false;   ///< A float texture: the mean of the channels in all of r, g, b.
 };
 struct ScaleTexture {
   TextureId texture = kNoTexture, scale = kNoTexture;
@@ -64,7 +64,7 @@ struct MixTexture {
 struct CheckerboardTexture {
   TextureId a = kNoTexture, b = kNoTexture;
   UvMapping mapping;
-  bool solid = false;        ///< 3-D: cells of unit size in texture space.
+  bool solid = false;          ///< 3-D: cells of unit size in texture space.
   Transform world_to_texture;  ///< For `solid`.
 };
 using TextureDescription =
@@ -84,7 +84,8 @@ struct DiffuseMaterial {
 };
 struct ConductorMaterial {
   TextureId eta = kNoTexture, k = kNoTexture;
-  TextureId reflectance = kNoTexture;  ///< If set: eta 1 and the k that gives this at normal incidence.
+  TextureId reflectance =
+      kNoTexture;  ///< If set: eta 1 and the k that gives this at normal incidence.
   Roughness roughness;
 };
 struct DielectricMaterial {
@@ -145,8 +146,8 @@ struct BilinearPatchShape {
   std::vector<Vec2f> uvs;
   std::vector<std::array<uint32_t, 4>> patches;  ///< Corners p00, p10, p01, p11.
 };
-using ShapeGeometry = std::variant<TriangleMeshShape, SphereShape, DiskShape, CylinderShape,
-                                   BilinearPatchShape>;
+using ShapeGeometry =
+    std::variant<TriangleMeshShape, SphereShape, DiskShape, CylinderShape, BilinearPatchShape>;
 
 /// Emission of a shape. Radiance leaves the side the surface normal points to.
 struct AreaEmission {
@@ -206,11 +207,11 @@ struct LightDescription {
 /// Perspective with a thin lens (PBRT 5.2). Camera space: x right, y up, z forward.
 struct CameraDescription {
   Transform camera_to_world;
-  float fov = 90;             ///< Degrees, over the shorter edge of the screen window.
-  float lens_radius = 0;      ///< Scene units.
+  float fov = 90;         ///< Degrees, over the shorter edge of the screen window.
+  float lens_radius = 0;  ///< Scene units.
   float focal_distance = 1e6f;
-  std::optional<float> frame_aspect;                 ///< Width over height; from the frame if unset.
-  std::optional<std::array<float, 4>> screen_window; ///< x_min, x_max, y_min, y_max.
+  std::optional<float> frame_aspect;  ///< Width over height; from the frame if unset.
+  std::optional<std::array<float, 4>> screen_window;  ///< x_min, x_max, y_min, y_max.
 };
 
 /// What the file says of the frame; job options override it.
