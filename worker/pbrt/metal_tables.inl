@@ -1,67 +1,68 @@
 // Measured complex refractive indices, as facts. Included by named_spectra.cpp alone.
 //
-// Ag, Al, Au, Cu: E. D. Palik (ed.), Handbook of Optical Constants of Solids, Academic Press 1985,
-// every 0.05 eV from 3.30 down to 1.55 eV.
+// Ag, Al, Au, Cu: values as in pbrt-v4's spectrum tables, which name no source, every 0.05 eV from
+// 3.30 down to 1.55 eV.
 
-inline constexpr int kPalikSamples = 36;
-inline constexpr double kPalikFirstEv = 3.30, kPalikStepEv = 0.05;
+inline constexpr int kEvSamples = 36;
+inline constexpr double kFirstEv = 3.30, kStepEv = 0.05;
 
-inline constexpr double kSilverEta[kPalikSamples] = {
+inline constexpr double kSilverEta[kEvSamples] = {
     0.200000, 0.198063, 0.192000, 0.182000, 0.173000, 0.172625, 0.173000, 0.166688, 0.160000,
     0.158500, 0.157000, 0.151063, 0.144000, 0.137313, 0.132000, 0.130250, 0.130000, 0.129938,
     0.130000, 0.130063, 0.129000, 0.124375, 0.120000, 0.119313, 0.121000, 0.125500, 0.131000,
     0.136125, 0.140000, 0.140063, 0.140000, 0.144313, 0.148000, 0.145875, 0.143000, 0.142563};
-inline constexpr double kSilverK[kPalikSamples] = {
+inline constexpr double kSilverK[kEvSamples] = {
     1.670000, 1.735000, 1.810000, 1.878750, 1.950000, 2.029375, 2.110000, 2.186250, 2.260000,
     2.329375, 2.400000, 2.478750, 2.560000, 2.640000, 2.720000, 2.798125, 2.880000, 2.973750,
     3.070000, 3.159375, 3.250000, 3.348125, 3.450000, 3.553750, 3.660000, 3.766250, 3.880000,
     4.010625, 4.150000, 4.293125, 4.440000, 4.586250, 4.740000, 4.908125, 5.090000, 5.288750};
 
-inline constexpr double kAluminiumEta[kPalikSamples] = {
+inline constexpr double kAluminiumEta[kEvSamples] = {
     0.432000, 0.445688, 0.460000, 0.474688, 0.490000, 0.506188, 0.523000, 0.540063, 0.558000,
     0.577313, 0.598000, 0.620313, 0.644000, 0.668625, 0.695000, 0.723750, 0.755000, 0.789000,
     0.826000, 0.867000, 0.912000, 0.963000, 1.020000, 1.080000, 1.150000, 1.220000, 1.300000,
     1.390000, 1.490000, 1.600000, 1.740000, 1.910000, 2.140000, 2.410000, 2.630000, 2.800000};
-inline constexpr double kAluminiumK[kPalikSamples] = {
+inline constexpr double kAluminiumK[kEvSamples] = {
     4.560000, 4.633750, 4.710000, 4.784375, 4.860000, 4.938125, 5.020000, 5.108750, 5.200000,
     5.290000, 5.380000, 5.480000, 5.580000, 5.690000, 5.800000, 5.915000, 6.030000, 6.150000,
     6.280000, 6.420000, 6.550000, 6.700000, 6.850000, 7.000000, 7.150000, 7.310000, 7.480000,
     7.650000, 7.820000, 8.010000, 8.210000, 8.390000, 8.570000, 8.620000, 8.600000, 8.450000};
 
-inline constexpr double kGoldEta[kPalikSamples] = {
+inline constexpr double kGoldEta[kEvSamples] = {
     1.696000, 1.684750, 1.674000, 1.666000, 1.658000, 1.647250, 1.636000, 1.628000, 1.616000,
     1.596250, 1.562000, 1.502125, 1.426000, 1.345875, 1.242000, 1.086750, 0.916000, 0.754500,
     0.608000, 0.491750, 0.402000, 0.345500, 0.306000, 0.267625, 0.236000, 0.212375, 0.194000,
     0.177750, 0.166000, 0.161000, 0.160000, 0.160875, 0.164000, 0.169500, 0.176000, 0.181375};
-inline constexpr double kGoldK[kPalikSamples] = {
+inline constexpr double kGoldK[kEvSamples] = {
     1.906000, 1.922500, 1.936000, 1.947750, 1.956000, 1.959375, 1.958000, 1.951375, 1.940000,
     1.924500, 1.904000, 1.875875, 1.846000, 1.814625, 1.796000, 1.797375, 1.840000, 1.956500,
     2.120000, 2.326250, 2.540000, 2.730625, 2.880000, 2.940625, 2.970000, 3.015000, 3.060000,
     3.070000, 3.150000, 3.445812, 3.800000, 4.087687, 4.357000, 4.610188, 4.860000, 5.125813};
 
-inline constexpr double kCopperEta[kPalikSamples] = {
+inline constexpr double kCopperEta[kEvSamples] = {
     1.225000, 1.200000, 1.180000, 1.174375, 1.175000, 1.177500, 1.180000, 1.178125, 1.175000,
     1.172812, 1.170000, 1.165312, 1.160000, 1.155312, 1.150000, 1.142812, 1.135000, 1.131562,
     1.120000, 1.092437, 1.040000, 0.950375, 0.826000, 0.645875, 0.468000, 0.351250, 0.272000,
     0.230813, 0.214000, 0.209250, 0.213000, 0.216250, 0.223000, 0.236500, 0.250000, 0.254188};
-inline constexpr double kCopperK[kPalikSamples] = {
+inline constexpr double kCopperK[kEvSamples] = {
     2.015000, 2.121562, 2.210000, 2.177188, 2.130000, 2.160063, 2.210000, 2.249938, 2.289000,
     2.326000, 2.362000, 2.397625, 2.433000, 2.469187, 2.504000, 2.535875, 2.564000, 2.589625,
     2.605000, 2.595562, 2.583000, 2.576500, 2.599000, 2.678062, 2.809000, 3.010750, 3.240000,
     3.458187, 3.670000, 3.863125, 4.050000, 4.239563, 4.430000, 4.619563, 4.817000, 5.034125};
 
-// Brass, 70 % copper and 30 % zinc: M. R. Querry, Optical Constants, report CRDC-CR-85034 (1985),
-// every 20 nm from 380 to 780 nm.
+// Brass: values as in pbrt-v4's spectrum tables, every second sample: every 20 nm from 380 to 780
+// nm. They are those of 70 % copper and 30 % zinc by M. R. Querry, Optical Constants, report
+// CRDC-CR-85034 (1985).
 inline constexpr int kBrassSamples = 21;
 inline constexpr double kBrassEta[kBrassSamples] = {
     1.487, 1.445, 1.350, 1.191, 0.994, 0.816, 0.686, 0.602, 0.549, 0.505, 0.468,
-    0.450, 0.445, 0.444, 0.444, 0.445, 0.446, 0.448, 0.450, 0.452, 0.455};
-inline constexpr double kBrassK[kBrassSamples] = {
-    1.818, 1.805, 1.786, 1.797, 1.883, 2.046, 2.250, 2.464, 2.668, 2.860, 3.059,
-    3.253, 3.434, 3.609, 3.778, 3.943, 4.106, 4.271, 4.431, 4.590, 4.749};
+    0.450, 0.449, 0.444, 0.445, 0.444, 0.446, 0.450, 0.455, 0.458, 0.464};
+inline constexpr double kBrassK[kBrassSamples] = {1.818, 1.805, 1.786, 1.797, 1.883, 2.046, 2.250,
+                                                  2.464, 2.668, 2.860, 3.059, 3.253, 3.434, 3.609,
+                                                  3.778, 3.943, 4.106, 4.266, 4.424, 4.579, 4.737};
 
-// MgO and TiO2 (rutile, ordinary ray), wavelengths in nm with eta; both are clear in the visible.
-// Palik, Handbook of Optical Constants of Solids II and I.
+// MgO and TiO2, wavelengths in nm with eta: a selection of the samples in pbrt-v4's spectrum
+// tables, which name no source. There k is 0 in the visible but for 0.022 of TiO2 at 412 nm.
 inline constexpr double kMagnesiumOxide[][2] = {
     {360.932, 1.77320}, {404.634, 1.76104}, {435.782, 1.75471}, {477.949, 1.74830},
     {514.440, 1.74390}, {546.167, 1.74077}, {589.259, 1.73737}, {632.874, 1.73460},
@@ -72,13 +73,13 @@ inline constexpr double kTitaniumDioxide[][2] = {
     {579.888, 2.92}, {600.097, 2.90}, {640.062, 2.87}, {680.088, 2.84}, {719.977, 2.82},
     {760.147, 2.81}, {799.871, 2.79}};
 
-// Schott glasses at the helium d line, 587.6 nm (Schott optical glass data sheets). pbrt-v4 calls
-// SF5, SF10 and SF11 "F5", "F10" and "F11".
+// Schott glasses at the helium d line, 587.6 nm: agrees with pbrt-v4's spectrum tables, which are
+// of refractiveindex.info. pbrt-v4 calls SF5, SF10 and SF11 "F5", "F10" and "F11".
 struct NamedGlass {
   std::string_view name;
   double eta;
 };
-inline constexpr NamedGlass kGlasses[] = {
-    {"glass-BK7", 1.5168},  {"glass-BAF10", 1.6700}, {"glass-FK51A", 1.4866},
-    {"glass-LASF9", 1.8503}, {"glass-F5", 1.6727},    {"glass-F10", 1.7283},
-    {"glass-F11", 1.7847}};
+inline constexpr NamedGlass kGlasses[] = {{"glass-BK7", 1.5168},   {"glass-BAF10", 1.6700},
+                                          {"glass-FK51A", 1.4866}, {"glass-LASF9", 1.8503},
+                                          {"glass-F5", 1.6727},    {"glass-F10", 1.7283},
+                                          {"glass-F11", 1.7847}};

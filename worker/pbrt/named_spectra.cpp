@@ -21,11 +21,11 @@ Spectrum Make(Samples samples, Spectrum::Outside outside) {
   return *Spectrum::Create(std::move(samples), outside);
 }
 
-Spectrum FromPalik(const double (&values)[kPalikSamples]) {
+Spectrum FromEnergies(const double (&values)[kEvSamples]) {
   constexpr double kNanometreEv = 1239.841984;  // h c / e
   Samples samples;
-  for (int i = 0; i < kPalikSamples; ++i) {
-    samples.emplace_back(kNanometreEv / (kPalikFirstEv - i * kPalikStepEv), values[i]);
+  for (int i = 0; i < kEvSamples; ++i) {
+    samples.emplace_back(kNanometreEv / (kFirstEv - i * kStepEv), values[i]);
   }
   return Make(std::move(samples), Spectrum::Outside::kHold);
 }
@@ -91,14 +91,14 @@ std::optional<Spectrum> Illuminant(std::string_view name) {
 }
 
 std::optional<Spectrum> Metal(std::string_view name) {
-  if (name == "Ag-eta") return FromPalik(kSilverEta);
-  if (name == "Ag-k") return FromPalik(kSilverK);
-  if (name == "Al-eta") return FromPalik(kAluminiumEta);
-  if (name == "Al-k") return FromPalik(kAluminiumK);
-  if (name == "Au-eta") return FromPalik(kGoldEta);
-  if (name == "Au-k") return FromPalik(kGoldK);
-  if (name == "Cu-eta") return FromPalik(kCopperEta);
-  if (name == "Cu-k") return FromPalik(kCopperK);
+  if (name == "Ag-eta") return FromEnergies(kSilverEta);
+  if (name == "Ag-k") return FromEnergies(kSilverK);
+  if (name == "Al-eta") return FromEnergies(kAluminiumEta);
+  if (name == "Al-k") return FromEnergies(kAluminiumK);
+  if (name == "Au-eta") return FromEnergies(kGoldEta);
+  if (name == "Au-k") return FromEnergies(kGoldK);
+  if (name == "Cu-eta") return FromEnergies(kCopperEta);
+  if (name == "Cu-k") return FromEnergies(kCopperK);
   if (name == "CuZn-eta") return FromBrass(kBrassEta);
   if (name == "CuZn-k") return FromBrass(kBrassK);
   if (name == "MgO-eta") return FromPairs(kMagnesiumOxide);
