@@ -20,8 +20,7 @@ namespace strata {
 class FarmClient {
  public:
   /// `server` is HOST:PORT.
-  static absl::StatusOr<std::unique_ptr<FarmClient>> Dial(const std::string& server,
-                                                          bool insecure);
+  static absl::StatusOr<std::unique_ptr<FarmClient>> Dial(const std::string& server, bool insecure);
   /// Over a channel of the same process.
   static std::unique_ptr<FarmClient> Over(std::shared_ptr<grpc::Channel> channel);
   ~FarmClient();
