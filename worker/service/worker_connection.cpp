@@ -18,7 +18,6 @@ size_t BytesOf(const FromWorker& message) {
 }  // namespace
 
 void WorkerConnection::Start(v1::WorkerService::Stub& stub) {
-  self_ = shared_from_this();
   stub.async()->Connect(&context_, this);
   // Writes are started from other threads than gRPC's; the hold keeps the call until reads end.
   AddHold();
@@ -105,8 +104,7 @@ void WorkerConnection::OnWriteDone(bool ok) {
 }
 
 void WorkerConnection::OnDone(const grpc::Status& status) {
-  const std::shared_ptr<WorkerConnection> self = std::move(self_);
-  MutexLock lock(mutex_);
+  MutexLock lock(mutex_);  // Once unlocked, who waits for the end may destroy this.
   end_ = broken_.ok() ? wire::FromGrpc(status) : broken_;
   changed_.NotifyAll();
 }

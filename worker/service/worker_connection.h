@@ -16,12 +16,13 @@ namespace strata {
 /// slow network holds up rendering and not memory; other messages are small and never wait.
 class WorkerConnection final
     : public grpc::ClientBidiReactor<v1::WorkerMessage, v1::CoordinatorMessage>,
-      public CoordinatorLink,
-      public std::enable_shared_from_this<WorkerConnection> {
+      public CoordinatorLink {
  public:
   explicit WorkerConnection(WorkerSession& session) : session_(session) {}
 
-  /// Dials; `stub` outlives the connection.
+  /// Dials; `stub` outlives the connection. Who starts it keeps it until WaitForEnd has told the
+  /// end, and then lets it go on a thread of its own: the call holds the channel, and gRPC's thread
+  /// would wait for itself if the channel's last holder went there.
   void Start(v1::WorkerService::Stub& stub);
   void Send(FromWorker message) override;
   /// Ends the connection once what is queued is written.
@@ -47,9 +48,8 @@ class WorkerConnection final
 
   WorkerSession& session_;
   grpc::ClientContext context_;
-  v1::CoordinatorMessage read_;             ///< gRPC's while a read is armed.
-  v1::WorkerMessage write_;                 ///< gRPC's while writing_.
-  std::shared_ptr<WorkerConnection> self_;  ///< Until OnDone.
+  v1::CoordinatorMessage read_;  ///< gRPC's while a read is armed.
+  v1::WorkerMessage write_;      ///< gRPC's while writing_.
   Mutex mutex_;
   CondVar changed_;
   std::deque<Queued> queue_ STRATA_GUARDED_BY(mutex_);
