@@ -54,6 +54,7 @@ std::vector<PixelTrials> Trials(const std::filesystem::path& folder, const std::
   std::vector<PixelTrials> trials(size_t{kCrop} * kCrop * kColours);
   for (int seed = 0; seed < kSeeds; ++seed) {
     JobSpec spec;
+    spec.bundle = {file, {{file, {}, 0}}};
     spec.width = spec.height = 128;
     spec.crop = {28, 64, 28 + kCrop, 64 + kCrop};  // A box, its shadow, the red wall.
     spec.max_depth = 65;
