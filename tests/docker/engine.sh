@@ -67,7 +67,7 @@ need_base_image() {
   echo "Base image: no registry in reach, making $image with debootstrap"
   mirror=$(debian_sources | awk '$3 == "bookworm" { print $2; exit }')
   root=$(mktemp -d -t strata-base.XXXXXXXX)
-  if ! debootstrap --variant=minbase bookworm "$root" "${mirror:-http://deb.debian.org/debian}" \
+  if ! debootstrap --variant=minbase bookworm "$root" ${mirror:+"$mirror"} \
     >"$root.log" 2>&1; then
     tail -n 20 "$root.log" >&2
     rm -rf "$root" "$root.log"
