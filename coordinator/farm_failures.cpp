@@ -110,11 +110,11 @@ void Farm::State::LoseLeases(WorkerRecord& worker, const std::string& reason, St
     worker.link->Send(CancelLease{lease.id});
     JobRecord& job = *jobs.at(lease.job);
     for (const UnitId& unit : lease.units) {
-      if (leases.Holders(job.id, unit) == 0) {  // Otherwise a duplicate goes on.
-        job.queue->Return(unit);
-        if (!worker.draining) job.troubles.try_emplace(unit);
-      }
-      if (std::exchange(rendering, false)) CountFailure(job, worker.id, unit, reason, "", now);
+      const bool was_rendered = std::exchange(rendering, false);
+      if (leases.Holders(job.id, unit) > 0) continue;  // A duplicate goes on.
+      job.queue->Return(unit);
+      if (!worker.draining) job.troubles.try_emplace(unit);
+      if (was_rendered) CountFailure(job, worker.id, unit, reason, "", now);
     }
   }
 }

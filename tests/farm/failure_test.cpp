@@ -158,21 +158,6 @@ TEST_F(FailureTest, AUnitThatKillsThreeWorkersFailsItsJob) {
   EXPECT_EQ(Status(job).state, JobState::kDone) << "a retry forgets the failures";
 }
 
-TEST_F(FailureTest, AUnitThatKillsItsDuplicatesToo) {
-  const JobId job = Submit(Spec(8, 8, 8));
-  FakeWorker& first = Join("first");
-  FakeWorker& second = Join("second");
-  ASSERT_EQ(first.todo().size(), 1u);
-  Pass(seconds(2));
-  ASSERT_EQ(second.todo().size(), 1u) << "a duplicate";
-  first.Vanish(now_);
-  second.Vanish(now_);
-  FakeWorker& third = Join("third");
-  ASSERT_EQ(third.todo().size(), 1u);
-  third.Vanish(now_);
-  EXPECT_EQ(Status(job).state, JobState::kFailed) << "it killed three workers";
-}
-
 TEST_F(FailureTest, AFailureThatPassesDoesNoHarm) {
   const JobSpec spec = Spec(32, 32, 512);
   const Digest expected = Expected(spec);
