@@ -59,8 +59,8 @@ class Farm {
   absl::StatusOr<ImageLayers> Image(const JobId& job) const;
 
   /// `on_change` is called from Tick and from state changes with the job's status, without locks
-  /// held; the last call has a final state. Returns a handle for Unsubscribe, after which no
-  /// further call starts.
+  /// held, at most four times a second and once for the end, which is the last call. Returns a
+  /// handle for Unsubscribe, after which no further call starts.
   absl::StatusOr<uint64_t> Subscribe(const JobId& job,
                                      std::function<void(const JobStatus&)> on_change);
   void Unsubscribe(uint64_t handle);

@@ -255,6 +255,7 @@ void Farm::State::Requeue(JobRecord& job, SteadyTime now) {
 }
 
 absl::Status Farm::Delete(const JobId& id) {
+  state_->Publish(id);  // The end, to those who were to hear of it with the next tick.
   MutexLock lock(state_->mutex);
   STRATA_ASSIGN_OR_RETURN(JobRecord * job, state_->Find(id));
   if (!IsFinal(job->state)) return WrongState(*job, "cancel it first");

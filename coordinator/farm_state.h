@@ -152,7 +152,7 @@ struct Farm::State {
   JobStatus StatusOf(const JobRecord& job) const STRATA_REQUIRES(mutex);
   /// Why no worker renders the job; empty when one may.
   std::string WaitReason(const JobRecord& job) const STRATA_REQUIRES(mutex);
-  /// Calls the job's subscribers.
+  /// Calls the job's subscribers, unless it goes on and they were called just now; a tick will.
   void Publish(const JobId& job) STRATA_EXCLUDES(mutex);
 
   // ---- farm_dispatch.cpp ----

@@ -10,6 +10,9 @@
 namespace strata {
 namespace {
 
+/// Status of a job in progress goes to its subscribers this often at most.
+constexpr std::chrono::milliseconds kPublishPeriod{250};
+
 std::string StateText(const WorkerRecord& worker, int leases) {
   if (worker.lost) return "lost";
   if (worker.draining) return "draining";
@@ -117,6 +120,14 @@ std::string Farm::State::WaitReason(const JobRecord& job) const {
 }
 
 void Farm::State::Publish(const JobId& id) {
+  {
+    MutexLock lock(mutex);
+    const auto job = jobs.find(id);
+    if (job == jobs.end()) return;
+    JobRecord& record = *job->second;
+    if (!IsFinal(record.state) && latest - record.published < kPublishPeriod) return;
+    record.published = latest;
+  }
   subscriptions.Deliver(id, [&] {
     MutexLock lock(mutex);
     const auto job = jobs.find(id);
@@ -146,8 +157,7 @@ std::vector<JobStatus> Farm::List() const {
 absl::StatusOr<uint64_t> Farm::Subscribe(const JobId& job,
                                          std::function<void(const JobStatus&)> on_change) {
   MutexLock lock(state_->mutex);
-  STRATA_ASSIGN_OR_RETURN(JobRecord * record, state_->Find(job));
-  record->published = {};  // The next tick tells how things stand.
+  STRATA_RETURN_IF_ERROR(state_->Find(job).status());
   return state_->subscriptions.Add(job, std::move(on_change));
 }
 

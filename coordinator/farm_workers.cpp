@@ -12,9 +12,6 @@
 namespace strata {
 namespace {
 
-/// Status of a job in progress goes to its subscribers this often at most.
-constexpr std::chrono::milliseconds kPublishPeriod{250};
-
 /// Why a worker may not join; empty when it may.
 std::string RefusalOf(const Hello& hello, const FarmOptions& options) {
   if (hello.protocol != kProtocol) {
@@ -130,10 +127,7 @@ void Farm::Tick(SteadyTime now) {
       if (IsFinal(job->state) && std::exchange(job->summary_held, false)) {
         to_release.push_back(job->film);
       }
-      if (now - job->published >= kPublishPeriod && state_->subscriptions.Any(id)) {
-        job->published = now;
-        to_publish.push_back(id);
-      }
+      if (state_->subscriptions.Any(id)) to_publish.push_back(id);
     }
   }
   for (const auto& [id, film] : to_summarize) {

@@ -144,6 +144,37 @@ TEST_F(FarmTest, TellsSubscribersUntilTheEnd) {
   EXPECT_LE(told.size(), 4 * SecondsBetween(start, now_) + 3);
 }
 
+TEST_F(FarmTest, TellsSubscribersFourTimesASecondAtMost) {
+  const JobId job = Submit(Spec(64, 64, 256));
+  FakeWorker& worker = Join();
+  size_t told = 0;
+  ASSERT_TRUE(farm_->Subscribe(job, [&](const JobStatus&) { ++told; }).ok());
+  for (int i = 0; i < 10; ++i) {
+    // Failures, others that subscribe and changes of state are no reason to tell more often.
+    ASSERT_TRUE(farm_->Pause(job, now_).ok());
+    ASSERT_TRUE(farm_->Resume(job, now_).ok());
+    ASSERT_TRUE(farm_->Subscribe(job, [](const JobStatus&) {}).ok());
+    worker.Send(UnitFailure{job, 0, {9, 9, 9}, "nonsense", "", false}, now_);
+    Pass(kTick);
+  }
+  EXPECT_GE(told, 3u);
+  EXPECT_LE(told, 4u);
+  ASSERT_TRUE(farm_->Cancel(job, now_).ok());
+  EXPECT_LE(told, 5u);
+}
+
+TEST_F(FarmTest, TellsSubscribersTheEndOfAJobDeletedAtOnce) {
+  const JobId job = Submit(Spec(16, 16, 8));
+  FakeWorker& worker = Join();
+  std::vector<JobState> told;
+  ASSERT_TRUE(farm_->Subscribe(job, [&](const JobStatus& s) { told.push_back(s.state); }).ok());
+  worker.Vanish(now_);
+  for (int i = 0; i < 2; ++i) Join().Vanish(now_);
+  ASSERT_EQ(Status(job).state, JobState::kFailed);
+  ASSERT_TRUE(farm_->Delete(job).ok());
+  EXPECT_THAT(told, ::testing::ElementsAre(JobState::kFailed));
+}
+
 TEST_F(FarmTest, TellsALateSubscriberTheEnd) {
   const JobId job = Submit(Spec(16, 16, 8));
   Join();
