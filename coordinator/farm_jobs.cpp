@@ -232,6 +232,7 @@ absl::Status Farm::Resume(const JobId& id, SteadyTime now) {
 }
 
 absl::Status Farm::Retry(const JobId& id, SteadyTime now) {
+  bool complete = false;
   {
     MutexLock lock(state_->mutex);
     state_->Seen(now);
@@ -243,7 +244,9 @@ absl::Status Farm::Retry(const JobId& id, SteadyTime now) {
     job->job_failures.clear();
     job->ended.reset();
     state_->Requeue(*job, now);
+    complete = state_->BeginFinish(*job);  // It was cancelled while its last figures were made.
   }
+  if (complete) state_->FinishRound(id, now);
   state_->Publish(id);
   return absl::OkStatus();
 }
@@ -294,7 +297,7 @@ absl::StatusOr<ImageLayers> Farm::Image(const JobId& id) const {
   JobStatus status;
   {
     MutexLock lock(state_->mutex);
-    STRATA_ASSIGN_OR_RETURN(const JobRecord* job, std::as_const(*state_).Find(id));
+    STRATA_ASSIGN_OR_RETURN(const JobRecord* job, state_->Find(id));
     film = job->film;
     status = state_->StatusOf(*job);
   }

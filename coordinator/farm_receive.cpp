@@ -150,6 +150,10 @@ bool Farm::State::MergeResult(const std::string& worker, UnitResult result, JobF
     job.rate.Tell(static_cast<double>(job.merged.samples), now);
   }
   Dispatch(now);
+  return BeginFinish(job);
+}
+
+bool Farm::State::BeginFinish(JobRecord& job) {
   const bool complete = job.merged.units == job.planned_units && !job.finishing;
   job.finishing |= complete;
   return complete;
@@ -215,6 +219,7 @@ void Farm::State::FinishRound(const JobId& id, SteadyTime now) {
     job.summary_stale = false;
     job.result = digest;
     job.finishing = false;
+    job.summary_held = true;
     if (IsFinal(job.state)) return;  // Cancelled meanwhile.
     std::string message;
     if (job.merged.nonfinite > 0) {

@@ -187,6 +187,8 @@ struct Farm::State {
   void MeasureWorker(JobRecord& job, WorkerRecord& worker, const UnitResult& result,
                      uint64_t samples, SteadyTime now) STRATA_REQUIRES(mutex);
   void LogNonFinite(JobRecord& job, const std::vector<std::string>& replays) STRATA_REQUIRES(mutex);
+  /// True when the round is complete and nobody was told so yet: FinishRound is to be called.
+  bool BeginFinish(JobRecord& job) STRATA_REQUIRES(mutex);
   /// Starts the next round or, when there is none, makes the final figures and ends the job.
   void FinishRound(const JobId& job, SteadyTime now) STRATA_EXCLUDES(mutex);
 

@@ -30,6 +30,23 @@ class StressTest : public FarmTest {
   std::atomic<int64_t> looks_{0};
 };
 
+TEST_F(StressTest, AJobCancelledWhileItsFiguresAreMadeCanBeRetried) {
+  const JobId job = Submit(Spec(512, 512, 8, 64));
+  FakeWorker& worker = Join();
+  std::optional<UnitResult> last;
+  while (std::optional<UnitResult> next = worker.Render()) {
+    if (last) worker.Send(*std::move(last), now_);
+    last = std::move(next);
+  }
+  std::thread finish([&] { worker.Send(*std::move(last), now_); });
+  while (Status(job).fraction < 1) std::this_thread::yield();
+  const bool cancelled = farm_->Cancel(job, now_).ok();  // Unless the figures were there already.
+  finish.join();
+  if (cancelled) EXPECT_TRUE(farm_->Retry(job, now_).ok());
+  EXPECT_EQ(Status(job).state, JobState::kDone);
+  EXPECT_NE(Status(job).result, Digest());
+}
+
 TEST_F(StressTest, ThreadsDoNotChangeTheResult) {
   const JobSpec spec = Spec(40, 40, 8 * 32 * 4, 8);
   const JobId quiet = Submit(spec);
