@@ -97,7 +97,8 @@ bool Farm::State::GrantNext(WorkerRecord& worker, SteadyTime now) {
 }
 
 bool Farm::State::GrantFrom(JobRecord& job, WorkerRecord& worker, SteadyTime now) {
-  const auto may_render = [&](const UnitId& unit) { return MayRenderUnit(job, worker, unit); };
+  const auto may_render = [&](const UnitId& unit)
+                              STRATA_REQUIRES(mutex) { return MayRenderUnit(job, worker, unit); };
   const auto is_sound = [&](const UnitId& unit) { return !job.troubles.contains(unit); };
   std::optional<UnitId> unit = job.queue->Next(may_render);
   if (!unit) return false;
@@ -124,7 +125,7 @@ bool Farm::State::GrantFrom(JobRecord& job, WorkerRecord& worker, SteadyTime now
 }
 
 bool Farm::State::GrantDuplicate(WorkerRecord& worker, SteadyTime now) {
-  const auto may_render = [&](const JobId& id) {
+  const auto may_render = [&](const JobId& id) STRATA_REQUIRES(mutex) {
     const JobRecord& job = *jobs.at(id);
     return job.state == JobState::kRunning && MayRender(job, worker);
   };

@@ -137,7 +137,7 @@ void Farm::State::Publish(const JobId& id) {
 
 absl::StatusOr<JobStatus> Farm::Get(const JobId& id) const {
   MutexLock lock(state_->mutex);
-  STRATA_ASSIGN_OR_RETURN(const JobRecord* job, std::as_const(*state_).Find(id));
+  STRATA_ASSIGN_OR_RETURN(const JobRecord* job, state_->Find(id));
   return state_->StatusOf(*job);
 }
 
