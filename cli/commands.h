@@ -6,6 +6,8 @@
 
 namespace strata {
 
+void AddAllCommands(CommandLine& commands);  ///< These, in the order in which they are listed.
+
 void AddRenderCommand(CommandLine& commands);  ///< A whole farm in one process.
 void AddSubmitCommand(CommandLine& commands);
 void AddWatchCommand(CommandLine& commands);

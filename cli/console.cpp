@@ -3,7 +3,6 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-#include <cstdio>
 #include <cstdlib>
 
 #include "cli/format.h"
@@ -27,12 +26,12 @@ Console Console::ForProcess() {
 
 void Console::Result(std::string_view line) {
   Clear();
-  Write(stdout, std::string(line) + "\n");
+  Write(results_, std::string(line) + "\n");
 }
 
 void Console::Line(std::string_view line) {
   Clear();
-  Write(stderr, std::string(line) + "\n");
+  Write(others_, std::string(line) + "\n");
 }
 
 void Console::Note(std::string_view line) { Line(line); }
@@ -49,12 +48,12 @@ int Console::Width() const {
 
 void Console::Redraw(std::string_view line) {
   // Back to the first column, the line, and whatever the old line had beyond it erased.
-  Write(stderr, StrCat("\r", line, "\x1b[K"));
+  Write(others_, StrCat("\r", line, "\x1b[K"));
   drawn_ = true;
 }
 
 void Console::Clear() {
-  if (drawn_) Write(stderr, "\r\x1b[K");
+  if (drawn_) Write(others_, "\r\x1b[K");
   drawn_ = false;
 }
 

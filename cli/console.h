@@ -1,11 +1,13 @@
 #pragma once
 
+#include <cstdio>
 #include <string>
 #include <string_view>
 
 namespace strata {
 
-/// Where a command's words go: results to stdout, everything else to stderr. One thread.
+/// Where a command's words go: results to stdout, everything else to stderr, or to the streams
+/// given in their place. One thread.
 class Console {
  public:
   /// What standard error can show.
@@ -15,7 +17,9 @@ class Console {
   };
   /// Looks at the process's standard error and environment.
   static Console ForProcess();
-  explicit Console(Terminal terminal) : terminal_(terminal) {}
+  /// The streams stay the caller's.
+  explicit Console(Terminal terminal, std::FILE* results = stdout, std::FILE* others = stderr)
+      : terminal_(terminal), results_(results), others_(others) {}
 
   /// A line of result, flushed, so that a reader behind a pipe sees it at once.
   void Result(std::string_view line);
@@ -45,6 +49,8 @@ class Console {
   void Line(std::string_view line);
 
   Terminal terminal_;
+  std::FILE* results_;
+  std::FILE* others_;
   bool drawn_ = false;  ///< A redrawn line is on the screen.
 };
 

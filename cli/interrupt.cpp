@@ -13,17 +13,30 @@ namespace {
 std::atomic<bool> signalled{false};
 static_assert(std::atomic<bool>::is_always_lock_free);
 
-void OnSignal(int) {
-  if (signalled.exchange(true)) _exit(static_cast<int>(ExitStatus::kInterrupted));
+void Exit(int) { _exit(static_cast<int>(ExitStatus::kInterrupted)); }
+
+void NoteOrExit(int signal) {
+  if (signalled.exchange(true)) Exit(signal);
+}
+
+struct sigaction Handler(void (*handler)(int)) {
+  struct sigaction action {};
+  action.sa_handler = handler;
+  action.sa_flags = SA_RESTART;
+  return action;
 }
 
 }  // namespace
 
+void ExitOnInterrupt() {
+  const struct sigaction action = Handler(Exit);
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
 InterruptWatch::InterruptWatch() {
   signalled = false;
-  struct sigaction action {};
-  action.sa_handler = OnSignal;
-  action.sa_flags = SA_RESTART;
+  const struct sigaction action = Handler(NoteOrExit);
   sigaction(SIGINT, &action, &old_interrupt_);
   sigaction(SIGTERM, &action, &old_terminate_);
 }

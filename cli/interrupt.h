@@ -4,6 +4,10 @@
 
 namespace strata {
 
+/// From now on SIGINT or SIGTERM ends the process at once with status 130, as fits work that leaves
+/// nothing behind: reading a scene, waiting for a server.
+void ExitOnInterrupt();
+
 /// While one lives, the first SIGINT or SIGTERM is only noted, so that a command can end cleanly; a
 /// second one ends the process at once with status 130. At most one at a time.
 class InterruptWatch {

@@ -5,10 +5,15 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
 #include <regex>
 #include <utility>
+
+#include "cli/commands.h"
+#include "tests/cli/scene_folder.h"
 
 extern char** environ;
 
@@ -110,6 +115,21 @@ bool RunningCommand::WaitFor(Stream& stream, const std::string& pattern) {
 
 void RunningCommand::Signal(int signal) { kill(pid_, signal); }
 
+bool RunningCommand::WaitForHandlerOf(int signal) {
+  const std::filesystem::path status = absl::StrCat("/proc/", pid_, "/status");
+  const std::regex caught("SigCgt:\\s*([0-9a-f]+)");
+  while (true) {
+    const std::string text = ReadFile(status);
+    std::smatch mask;
+    // A process that has ended and not been waited for has the line no longer.
+    if (!std::regex_search(text, mask, caught) || text.find("State:\tZ") != std::string::npos) {
+      return false;
+    }
+    if (std::stoull(mask[1], nullptr, 16) >> (signal - 1) & 1) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+}
+
 CommandResult RunningCommand::Wait() {
   out_.reader.join();
   err_.reader.join();
@@ -118,13 +138,51 @@ CommandResult RunningCommand::Wait() {
   int status = 0;
   waitpid(pid_, &status, 0);
   waited_ = true;
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), out_.text, err_.text};
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), out_.text, err_.text};
 }
 
 CommandResult RunStrata(const std::vector<std::string>& arguments, const RunOptions& options) {
   std::vector<std::string> words = {"strata"};
   words.insert(words.end(), arguments.begin(), arguments.end());
   return RunningCommand(words, options).Wait();
+}
+
+namespace {
+
+/// What is written to a stream, as a text.
+class CapturedStream {
+ public:
+  CapturedStream() : file_(open_memstream(&text_, &size_)) {}
+  ~CapturedStream() {
+    std::fclose(file_);
+    std::free(text_);
+  }
+  CapturedStream(const CapturedStream&) = delete;
+  CapturedStream& operator=(const CapturedStream&) = delete;
+
+  std::FILE* file() { return file_; }
+  std::string Text() {
+    std::fflush(file_);
+    return std::string(text_, size_);
+  }
+
+ private:
+  char* text_ = nullptr;
+  size_t size_ = 0;
+  std::FILE* file_;
+};
+
+}  // namespace
+
+CommandResult RunInProcess(const std::vector<std::string>& arguments) {
+  std::vector<const char*> words = {"strata"};
+  for (const std::string& argument : arguments) words.push_back(argument.c_str());
+  CapturedStream out, err;
+  Console console({}, out.file(), err.file());
+  CommandLine commands;
+  AddAllCommands(commands);
+  const ExitStatus exit = commands.Main(static_cast<int>(words.size()), words.data(), console);
+  return {static_cast<int>(exit), out.Text(), err.Text()};
 }
 
 }  // namespace strata::test

@@ -82,5 +82,24 @@ TEST(Interrupt, RenderWritesTheImageSoFarAndLeavesNothingElse) {
   EXPECT_TRUE(std::filesystem::is_empty(folder.Path("tmp")));
 }
 
+TEST(Interrupt, WhileTheSceneIsReadEndsAtOnceAndLeavesNothing) {
+  const SceneFolder folder;
+  std::filesystem::create_directory(folder.Path("tmp"));
+  // Reading this takes longer than the moment from the handler's being there to the signal's
+  // coming; should it ever not, the job is cancelled, to the same end.
+  std::string numbers;
+  for (int i = 0; i < 3000000; ++i) numbers += "0.5 ";
+  const std::string scene = folder.Write(
+      "big.pbrt", "WorldBegin\nShape \"trianglemesh\" \"point3 P\" [" + numbers + "]\n");
+  RunningCommand render({"strata", "render", scene},
+                        {.environment = {{"TMPDIR", folder.Path("tmp")}}});
+  EXPECT_TRUE(render.WaitForHandlerOf(SIGINT));
+  render.Signal(SIGINT);
+  const CommandResult result = render.Wait();
+  EXPECT_EQ(result.exit_status, 130) << result.err;
+  EXPECT_EQ(result.out, "");
+  EXPECT_TRUE(std::filesystem::is_empty(folder.Path("tmp")));
+}
+
 }  // namespace
 }  // namespace strata::test

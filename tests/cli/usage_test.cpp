@@ -20,7 +20,7 @@ void ExpectRefused(const CommandResult& result, const std::string& part) {
 class EveryCommand : public testing::TestWithParam<const char*> {};
 
 TEST_P(EveryCommand, HasHelpWithExamples) {
-  const CommandResult help = RunStrata({GetParam(), "--help"});
+  const CommandResult help = RunInProcess({GetParam(), "--help"});
   EXPECT_EQ(help.exit_status, 0);
   EXPECT_EQ(help.err, "");
   const size_t examples = help.out.find("Examples:");
@@ -33,7 +33,7 @@ TEST_P(EveryCommand, HasHelpWithExamples) {
 }
 
 TEST_P(EveryCommand, SuggestsTheOptionThatWasMeant) {
-  ExpectRefused(RunStrata({GetParam(), "--hepl"}), "did you mean --help?");
+  ExpectRefused(RunInProcess({GetParam(), "--hepl"}), "did you mean --help?");
 }
 
 INSTANTIATE_TEST_SUITE_P(All, EveryCommand,
@@ -43,7 +43,7 @@ INSTANTIATE_TEST_SUITE_P(All, EveryCommand,
                          [](const auto& info) { return std::string(info.param); });
 
 TEST(Usage, TheHelpListsTheCommands) {
-  const CommandResult help = RunStrata({"--help"});
+  const CommandResult help = RunInProcess({"--help"});
   EXPECT_EQ(help.exit_status, 0);
   for (const char* command : {"render", "submit", "watch", "fetch", "check", "health"}) {
     EXPECT_NE(help.out.find(command), std::string::npos) << command;
@@ -61,44 +61,45 @@ TEST(Usage, TheVersionNamesTheBuild) {
 TEST(Usage, NoCommandIsBadUsage) { ExpectRefused(RunStrata({}), "strata --help"); }
 
 TEST(Usage, AMisspeltCommandIsCorrected) {
-  ExpectRefused(RunStrata({"rendr", "scene.pbrt"}), "did you mean render?");
+  ExpectRefused(RunInProcess({"rendr", "scene.pbrt"}), "did you mean render?");
 }
 
 TEST(Usage, AMisspeltOptionIsCorrectedThoughItTookTheScenesPlace) {
-  ExpectRefused(RunStrata({"render", "--sppp", "64"}), "no option --sppp - did you mean --spp?");
+  ExpectRefused(RunInProcess({"render", "--sppp", "64"}), "no option --sppp - did you mean --spp?");
 }
 
 TEST(Usage, AMissingArgumentIsNamed) {
-  ExpectRefused(RunStrata({"render"}), "SCENE");
-  ExpectRefused(RunStrata({"watch"}), "JOB");
-  ExpectRefused(RunStrata({"fetch", "j-1"}), "output");
+  ExpectRefused(RunInProcess({"render"}), "SCENE");
+  ExpectRefused(RunInProcess({"watch"}), "JOB");
+  ExpectRefused(RunInProcess({"fetch", "j-1"}), "output");
 }
 
 TEST(Usage, ValuesOfTheWrongKindAreNamed) {
-  ExpectRefused(RunStrata({"render", "a.pbrt", "--spp", "many"}), "--spp");
-  ExpectRefused(RunStrata({"render", "a.pbrt", "--spp", "-8"}), "--spp");
-  ExpectRefused(RunStrata({"render", "a.pbrt", "--threads", "0"}), "--threads");
-  ExpectRefused(RunStrata({"render", "a.pbrt", "--resolution", "big"}), "--resolution");
-  ExpectRefused(RunStrata({"render", "a.pbrt", "--reproducible=perhaps"}), "--reproducible");
+  ExpectRefused(RunInProcess({"render", "a.pbrt", "--spp", "many"}), "--spp");
+  ExpectRefused(RunInProcess({"render", "a.pbrt", "--spp", "-8"}), "--spp");
+  ExpectRefused(RunInProcess({"render", "a.pbrt", "--threads", "0"}), "--threads");
+  ExpectRefused(RunInProcess({"render", "a.pbrt", "--resolution", "big"}), "--resolution");
+  ExpectRefused(RunInProcess({"render", "a.pbrt", "--reproducible=perhaps"}), "--reproducible");
 }
 
 TEST(Usage, WhatLaterVersionsDoIsRefusedWithASentence) {
-  ExpectRefused(RunStrata({"diff", "a.exr", "b.exr"}), "not there yet");
-  ExpectRefused(RunStrata({"render", "a.pbrt", "--error", "0.05"}), "--error is not there yet");
-  ExpectRefused(RunStrata({"render", "a.pbrt", "--kernel", "fast"}), "--kernel is not there yet");
+  ExpectRefused(RunInProcess({"diff", "a.exr", "b.exr"}), "not there yet");
+  ExpectRefused(RunInProcess({"render", "a.pbrt", "--error", "0.05"}), "--error is not there yet");
+  ExpectRefused(RunInProcess({"render", "a.pbrt", "--kernel", "fast"}),
+                "--kernel is not there yet");
 }
 
 TEST(Usage, AnImagePathThatCannotBeWrittenIsFoundBeforeTheWork) {
   const SceneFolder folder;
   const std::string scene = folder.TinyScene();
-  ExpectRefused(RunStrata({"render", scene, "-o", folder.Path("no/such/out.exr")}), "directory");
-  ExpectRefused(RunStrata({"render", scene, "-o", folder.Path("out.jpg")}), ".exr nor .png");
-  ExpectRefused(RunStrata({"render", scene, "--png"}), "-o out.exr");
-  ExpectRefused(RunStrata({"submit", scene, "-o", folder.Path("out.exr")}), "--watch");
+  ExpectRefused(RunInProcess({"render", scene, "-o", folder.Path("no/such/out.exr")}), "directory");
+  ExpectRefused(RunInProcess({"render", scene, "-o", folder.Path("out.jpg")}), ".exr nor .png");
+  ExpectRefused(RunInProcess({"render", scene, "--png"}), "-o out.exr");
+  ExpectRefused(RunInProcess({"submit", scene, "-o", folder.Path("out.exr")}), "--watch");
 }
 
 TEST(Usage, ASceneThatIsNotThereIsNamed) {
-  ExpectRefused(RunStrata({"render", "missing.pbrt"}), "missing.pbrt: ");
+  ExpectRefused(RunInProcess({"render", "missing.pbrt"}), "missing.pbrt: ");
 }
 
 TEST(Usage, AServerThatDoesNotAnswerIsStatus3WithARemedy) {
