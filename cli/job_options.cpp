@@ -1,9 +1,10 @@
 #include "cli/job_options.h"
 
-#include "cli/exit_status.h"
-
 #include <cmath>
 #include <limits>
+
+#include "cli/exit_status.h"
+#include "cli/scene_images.h"
 
 namespace strata {
 namespace {
@@ -205,6 +206,7 @@ absl::StatusOr<ResolvedJob> ResolveJob(const JobOptions& options, const LoadedSc
   for (const SceneWarning& warning : loaded.pbrt.warnings) {
     job.warnings.push_back(WarningLine(loaded.path, warning));
   }
+  STRATA_RETURN_IF_ERROR(CheckImages(loaded));
   absl::StatusOr<Bundle> bundle =
       MakeBundle(DirectorySource(job.root), loaded.path.scene, loaded.pbrt.files);
   if (!bundle.ok()) return AsBadInput(bundle.status());

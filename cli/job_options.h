@@ -70,6 +70,7 @@ struct ResolvedJob {
   std::vector<std::string> notes;     ///< What a person should know: what was rounded.
   std::vector<std::string> warnings;  ///< Of the scene, "file:line: warning: ...".
 };
+/// INVALID_ARGUMENT where an option or an image of the scene is bad.
 absl::StatusOr<ResolvedJob> ResolveJob(const JobOptions& options, const LoadedScene& loaded);
 /// Reads the scene as well.
 absl::StatusOr<ResolvedJob> ResolveJob(const JobOptions& options);

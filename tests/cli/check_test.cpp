@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "common/image_file.h"
 #include "tests/cli/run_command.h"
 #include "tests/cli/scene_folder.h"
 
@@ -13,7 +14,7 @@ using nlohmann::json;
 
 TEST(Check, SaysWhatASceneUsesAndHowLargeItIs) {
   const SceneFolder folder;
-  const CommandResult check = RunStrata({"check", folder.TinyScene(), "--json"});
+  const CommandResult check = RunInProcess({"check", folder.TinyScene(), "--json"});
   ASSERT_EQ(check.exit_status, 0) << check.err;
   const json result = json::parse(check.out);
   EXPECT_EQ(result["scene"], "tiny.pbrt");
@@ -35,7 +36,7 @@ TEST(Check, SaysWhatASceneUsesAndHowLargeItIs) {
 
 TEST(Check, TellsPeopleTheSameInWords) {
   const SceneFolder folder;
-  const CommandResult check = RunStrata({"check", folder.TinyScene(), "--resolution", "48x32"});
+  const CommandResult check = RunInProcess({"check", folder.TinyScene(), "--resolution", "48x32"});
   EXPECT_EQ(check.exit_status, 0);
   for (const char* part : {"48 x 32", "2 trianglemesh", "1 area", "everything is supported"}) {
     EXPECT_NE(check.out.find(part), std::string::npos) << part << " in:\n" << check.out;
@@ -51,7 +52,7 @@ MakeNamedMedium "fog" "string type" "homogeneous" "rgb sigma_s" [1 1 1]
 MediumInterface "fog" ""
 Shape "sphere"
 )");
-  const CommandResult check = RunStrata({"check", scene});
+  const CommandResult check = RunInProcess({"check", scene});
   EXPECT_EQ(check.exit_status, 0) << check.err;
   EXPECT_NE(check.err.find(scene + ":"), std::string::npos) << check.err;
   EXPECT_NE(check.err.find(": warning: "), std::string::npos) << check.err;
@@ -63,7 +64,7 @@ TEST(Check, AnErrorInTheSceneIsOneLocatedLineAndStatus2) {
   const std::string scene =
       folder.Write("bad.pbrt", "Camera \"perspective\"\nWorldBegin\nShpae \"sphere\"\n");
   for (const std::string command : {"check", "render"}) {
-    const CommandResult result = RunStrata({command, scene});
+    const CommandResult result = RunInProcess({command, scene});
     EXPECT_EQ(result.exit_status, 2);
     EXPECT_EQ(result.out, "");
     EXPECT_EQ(result.err.find(scene + ":3: "), 0u) << result.err;
@@ -87,14 +88,86 @@ TEST(Check, FilesOutsideTheScenesFolderNeedARoot) {
                                          "Camera \"perspective\"\nWorldBegin\n"
                                          "LightSource \"infinite\" \"rgb L\" [1 1 1]\n"
                                          "Include \"../shared/ball.pbrt\"\n");
-  const CommandResult refused = RunStrata({"check", scene});
+  const CommandResult refused = RunInProcess({"check", scene});
   EXPECT_EQ(refused.exit_status, 2);
   EXPECT_NE(refused.err.find("--root"), std::string::npos) << refused.err;
 
-  const CommandResult rooted = RunStrata({"check", scene, "--root", folder.Path(""), "--json"});
+  const CommandResult rooted = RunInProcess({"check", scene, "--root", folder.Path(""), "--json"});
   ASSERT_EQ(rooted.exit_status, 0) << rooted.err;
   EXPECT_EQ(json::parse(rooted.out)["files"], 2);
   EXPECT_EQ(json::parse(rooted.out)["scene"], "room/scene.pbrt");
+}
+
+/// The bytes of a PNG image of 16x16 pixels, of many colours, so that half of them is not enough.
+std::string WholePng(const SceneFolder& folder) {
+  ImageLayers image;
+  image.full_width = image.full_height = 16;
+  image.crop = {0, 0, 16, 16};
+  image.channels = {"R", "G", "B"};
+  for (int i = 0; i < 16 * 16 * 3; ++i)
+    image.values.push_back(static_cast<float>(i * i % 255) / 255);
+  EXPECT_TRUE(WritePng(folder.Path("whole.png"), image).ok());
+  return ReadFile(folder.Path("whole.png"));
+}
+
+/// A scene whose only use of image.png is `user`.
+std::string SceneWithImage(const std::string& user) {
+  return "Camera \"perspective\"\nWorldBegin\n" + user + "\nShape \"sphere\"\n";
+}
+
+class BrokenImage : public testing::TestWithParam<const char*> {};
+
+TEST_P(BrokenImage, IsBadInputBeforeAnythingIsSubmitted) {
+  const SceneFolder folder;
+  const std::string scene = folder.Write("scene.pbrt", SceneWithImage(GetParam()));
+  const std::string whole = WholePng(folder);
+  // The control: nothing but the image is wrong with this scene.
+  const std::string image = folder.Write("image.png", whole);
+  const CommandResult good = RunInProcess({"check", scene});
+  EXPECT_EQ(good.exit_status, 0) << good.err;
+  for (const std::string& content :
+       {whole.substr(0, whole.size() / 2), std::string("no image"), std::string()}) {
+    folder.Write("image.png", content);
+    // Nobody answers at port 1: had anything been sent, the exit status would be 3.
+    for (const std::vector<std::string>& words : {std::vector<std::string>{"render", scene},
+                                                  {"submit", scene, "--server", "127.0.0.1:1"},
+                                                  {"check", scene}}) {
+      const CommandResult result = RunInProcess(words);
+      EXPECT_EQ(result.exit_status, 2) << words[0];
+      EXPECT_EQ(result.out, "");
+      EXPECT_EQ(result.err.find(image + ": "), 0u) << result.err;
+      EXPECT_NE(result.err.find("replace it with a whole image"), std::string::npos) << result.err;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, BrokenImage,
+    testing::Values("Texture \"paint\" \"spectrum\" \"imagemap\" \"string filename\" \"image.png\"",
+                    "LightSource \"infinite\" \"string filename\" \"image.png\""),
+    [](const auto& info) { return info.index == 0 ? "Texture" : "Environment"; });
+
+TEST(Check, ABrokenImageIsOneLineWhateverItsReaderSays) {
+  const SceneFolder folder;
+  const std::string whole = WholePng(folder);
+  folder.Write("room/image.png", whole.substr(0, whole.size() / 2));
+  folder.Write("room/scene.pbrt",
+               SceneWithImage("LightSource \"infinite\" \"string filename\" \"image.png\""));
+  const CommandResult result =
+      RunStrata({"render", "room/scene.pbrt"}, {.directory = folder.Path("")});
+  EXPECT_EQ(result.exit_status, 2);
+  EXPECT_EQ(result.err.find("room/image.png: "), 0u) << result.err;
+  EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+}
+
+TEST(Check, AnImageThatIsNoEnvironmentIsLocatedAtTheLight) {
+  const SceneFolder folder;
+  folder.Write("wide.pfm", std::string("PF\n2 1\n-1.0\n") + std::string(24, '\0'));
+  const std::string scene = folder.Write(
+      "scene.pbrt", SceneWithImage("LightSource \"infinite\" \"string filename\" \"wide.pfm\""));
+  const CommandResult result = RunInProcess({"render", scene});
+  EXPECT_EQ(result.exit_status, 2);
+  EXPECT_EQ(result.err.find(scene + ":3: wide.pfm: "), 0u) << result.err;
 }
 
 }  // namespace

@@ -1,0 +1,75 @@
+#include "cli/scene_images.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <set>
+#include <variant>
+
+#include "common/image_file.h"
+#include "worker/light/environment.h"
+
+namespace strata {
+namespace {
+
+std::set<std::string> ImagesOf(const SceneDescription& scene) {
+  std::set<std::string> paths;
+  for (const TextureDescription& texture : scene.textures) {
+    if (const auto* image = std::get_if<ImageTexture>(&texture)) paths.insert(image->path);
+  }
+  for (const LightDescription& light : scene.lights) {
+    const auto* image = std::get_if<ImageInfiniteLightDescription>(&light.light);
+    if (image != nullptr) paths.insert(image->path);
+  }
+  return paths;
+}
+
+/// While one lives, nothing written to standard error is seen. libpng reports to it on its own what
+/// is reported here, and bad input is to be told in one line.
+class SilencedStandardError {
+ public:
+  SilencedStandardError() : kept_(fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, 0)) {
+    const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
+    if (kept_ >= 0 && nowhere >= 0) dup2(nowhere, STDERR_FILENO);
+    if (nowhere >= 0) close(nowhere);
+  }
+  ~SilencedStandardError() {
+    if (kept_ < 0) return;
+    dup2(kept_, STDERR_FILENO);
+    close(kept_);
+  }
+  SilencedStandardError(const SilencedStandardError&) = delete;
+  SilencedStandardError& operator=(const SilencedStandardError&) = delete;
+
+ private:
+  int kept_;  ///< Where standard error leads, or -1 when it is closed.
+};
+
+}  // namespace
+
+absl::Status CheckImages(const LoadedScene& loaded) {
+  const SceneDescription& scene = loaded.pbrt.scene;
+  const SilencedStandardError silenced;
+  // By the path as typed, which the error then names; that it stays inside the root is known.
+  const std::filesystem::path folder = loaded.path.typed_root;
+  for (const std::string& path : ImagesOf(scene)) {
+    const absl::Status read = ReadImageFile(folder / path).status();
+    if (!read.ok()) {
+      return absl::InvalidArgumentError(
+          absl::StrCat(read.message(), "; replace it with a whole image"));
+    }
+  }
+  const DirectorySource source(loaded.path.root);
+  for (const LightDescription& light : scene.lights) {
+    const auto* image = std::get_if<ImageInfiniteLightDescription>(&light.light);
+    if (image == nullptr) continue;
+    const absl::Status fits = EnvironmentImage::Load(*image, source).status();
+    if (!fits.ok()) {
+      return absl::InvalidArgumentError(
+          loaded.path.Located(absl::StrCat(light.where.ToString(), ": ", fits.message())));
+    }
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace strata
