@@ -3,6 +3,8 @@
 
 #include "cli/commands.h"
 #include "cli/farm_address.h"
+#include "cli/format.h"
+#include "cli/interrupt.h"
 #include "cli/report.h"
 
 namespace strata {
@@ -18,6 +20,8 @@ struct FetchOptions {
 absl::StatusOr<ExitStatus> Fetch(FarmClient& farm, const FetchOptions& options, Console& console) {
   STRATA_ASSIGN_OR_RETURN(const JobStatus status, farm.Get(options.job));
   STRATA_ASSIGN_OR_RETURN(const ImageLayers image, farm.FetchImage(options.job));
+  // Ctrl-C waits until the files are whole.
+  const InterruptWatch interrupts;
   STRATA_ASSIGN_OR_RETURN(const std::vector<std::string> files, WriteImage(options.output, image));
   if (options.json) {
     console.Result(nlohmann::ordered_json{
@@ -28,8 +32,10 @@ absl::StatusOr<ExitStatus> Fetch(FarmClient& farm, const FetchOptions& options, 
          files}}.dump());
     return ExitStatus::kDone;
   }
-  for (const std::string& line : ReportLines(status, files)) console.Result(line);
-  if (!IsFinal(status.state)) console.Note("the job goes on: this is the image so far");
+  for (const std::string& file : files) console.Result(file);
+  if (!IsFinal(status.state)) {
+    console.Note(absl::StrCat("image so far: ", FormatPercent(status.fraction), " of the samples"));
+  }
   return ExitStatus::kDone;
 }
 

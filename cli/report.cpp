@@ -46,6 +46,29 @@ void ShowTroubles(FarmClient& client, const JobStatus& status, Console& console)
   }
 }
 
+/// What came of a job, in a few lines for people.
+std::vector<std::string> ReportLines(const JobStatus& status,
+                                     const std::vector<std::string>& files) {
+  std::vector<std::string> lines;
+  for (const std::string& file : files) lines.push_back(file);
+  std::string work = absl::StrFormat("%s samples (%s per pixel) in %s", FormatCount(status.samples),
+                                     FormatCount(status.spp_mean), FormatDuration(status.wall_s));
+  if (status.render_s > 0) {
+    absl::StrAppend(&work, ", ", FormatCount(status.samples / status.render_s), " samples/s");
+  }
+  lines.push_back(work);
+  if (status.rel_error > 0) {
+    lines.push_back(absl::StrFormat("99 %% of pixels are within ±%s (95 %% confidence)",
+                                    FormatPercent(status.rel_error)));
+  }
+  if (status.flagged > 0) {
+    lines.push_back(absl::StrFormat("%s of pixels are flagged: their interval may be too narrow",
+                                    FormatPercent(status.flagged)));
+  }
+  if (status.state == JobState::kDone) lines.push_back(status.result.ToString());
+  return lines;
+}
+
 }  // namespace
 
 CLI::Option* AddOutputOptions(CLI::App* command, ImageOutput& output) {
@@ -93,28 +116,6 @@ absl::StatusOr<std::vector<std::string>> WriteImage(const ImageOutput& output,
     STRATA_RETURN_IF_ERROR(WritePng(written.back(), image));
   }
   return written;
-}
-
-std::vector<std::string> ReportLines(const JobStatus& status,
-                                     const std::vector<std::string>& files) {
-  std::vector<std::string> lines;
-  for (const std::string& file : files) lines.push_back(file);
-  std::string work = absl::StrFormat("%s samples (%s per pixel) in %s", FormatCount(status.samples),
-                                     FormatCount(status.spp_mean), FormatDuration(status.wall_s));
-  if (status.render_s > 0) {
-    absl::StrAppend(&work, ", ", FormatCount(status.samples / status.render_s), " samples/s");
-  }
-  lines.push_back(work);
-  if (status.rel_error > 0) {
-    lines.push_back(absl::StrFormat("99 %% of pixels are within ±%s (95 %% confidence)",
-                                    FormatPercent(status.rel_error)));
-  }
-  if (status.flagged > 0) {
-    lines.push_back(absl::StrFormat("%s of pixels are flagged: their interval may be too narrow",
-                                    FormatPercent(status.flagged)));
-  }
-  if (status.state == JobState::kDone) lines.push_back(status.result.ToString());
-  return lines;
 }
 
 absl::StatusOr<ExitStatus> FinishJob(FarmClient& client, const JobStatus& status,

@@ -24,10 +24,6 @@ absl::Status CheckImageOutput(const ImageOutput& output);
 absl::StatusOr<std::vector<std::string>> WriteImage(const ImageOutput& output,
                                                     const ImageLayers& image);
 
-/// What came of a job, in a few lines for people.
-std::vector<std::string> ReportLines(const JobStatus& status,
-                                     const std::vector<std::string>& files);
-
 /// The end of a followed job: fetches and writes its image if it has one, prints the report (or the
 /// "done" event) and says what the process should end with.
 absl::StatusOr<ExitStatus> FinishJob(FarmClient& client, const JobStatus& status,

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <regex>
 #include <sstream>
 #include <thread>
 
@@ -91,7 +92,10 @@ TEST(FarmCommands, AJobGoesFromSubmissionToAnImageWithTheDigestOfALocalRender) {
   EXPECT_FALSE(farm.StrataJson({"logs", job}).empty());
 
   const std::string fetched = farm.folder().Path("again.exr");
-  EXPECT_EQ(farm.Strata({"fetch", job, "-o", fetched}).exit_status, 0);
+  const CommandResult fetch = farm.Strata({"fetch", job, "-o", fetched});
+  EXPECT_EQ(fetch.exit_status, 0) << fetch.err;
+  EXPECT_EQ(fetch.out, fetched + "\n");
+  EXPECT_EQ(fetch.err, "");
   EXPECT_EQ(ReadExr(fetched)->values, ReadExr(out)->values);
 
   // A job that has ended can still be watched: its end is told at once.
@@ -133,6 +137,20 @@ TEST(FarmCommands, CtrlCLeavesAWatchedJobAloneAndSaysHowToGoOn) {
   EXPECT_EQ(result.exit_status, 130);
   EXPECT_NE(result.err.find("strata cancel " + job), std::string::npos) << result.err;
   EXPECT_NE(farm.StrataJson({"jobs"})[0]["state"], "cancelled");
+}
+
+TEST(FarmCommands, AnImageFetchedEarlySaysHowMuchOfItIsThere) {
+  Farm farm;
+  farm.StartWorker();
+  const std::string job = farm.Submit(farm.folder().LongScene());
+  RunningCommand watch({"strata", "watch", job, "--server", farm.server(), "--json"});
+  ASSERT_TRUE(watch.WaitForOutput("\"samples\":[1-9]"));
+  const std::string out = farm.folder().Path("early.exr");
+  const CommandResult fetch = farm.Strata({"fetch", job, "-o", out, "--png"});
+  EXPECT_EQ(fetch.exit_status, 0);
+  EXPECT_EQ(fetch.out, out + "\n" + farm.folder().Path("early.png") + "\n");
+  EXPECT_TRUE(std::regex_match(fetch.err, std::regex("image so far: .* % of the samples\n")))
+      << fetch.err;
 }
 
 TEST(FarmCommands, AJobThatIsNotThereIsBadInput) {
