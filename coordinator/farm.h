@@ -31,6 +31,7 @@ struct FarmOptions {
 /// through Tick and the `now` arguments, so that tests need no clock.
 class Farm {
  public:
+  /// FAILED_PRECONDITION when another farm uses the state directory.
   static absl::StatusOr<std::unique_ptr<Farm>> Create(FarmOptions options,
                                                       std::unique_ptr<JobStore> store);
   ~Farm();

@@ -61,9 +61,12 @@ absl::Status PrepareDirectory(const FarmOptions& options, const JobStore& store)
 
 absl::StatusOr<std::unique_ptr<Farm>> Farm::Create(FarmOptions options,
                                                    std::unique_ptr<JobStore> store) {
+  STRATA_ASSIGN_OR_RETURN(std::unique_ptr<DirectoryLock> directory_lock,
+                          DirectoryLock::Take(options.state_dir));
   STRATA_RETURN_IF_ERROR(PrepareDirectory(options, *store));
   STRATA_ASSIGN_OR_RETURN(FileStore files, FileStore::Create(options.state_dir / "files"));
-  auto state = std::make_unique<State>(std::move(options), std::move(store), std::move(files));
+  auto state = std::make_unique<State>(std::move(options), std::move(directory_lock),
+                                       std::move(store), std::move(files));
   return std::unique_ptr<Farm>(new Farm(std::move(state)));
 }
 

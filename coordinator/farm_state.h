@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/sync.h"
+#include "coordinator/directory_lock.h"
 #include "coordinator/farm.h"
 #include "coordinator/film_summary.h"
 #include "coordinator/lease_table.h"
@@ -108,12 +109,15 @@ struct WorkerRecord {
 };
 
 struct Farm::State {
-  State(FarmOptions farm_options, std::unique_ptr<JobStore> job_store, FileStore file_store)
+  State(FarmOptions farm_options, std::unique_ptr<DirectoryLock> state_dir_lock,
+        std::unique_ptr<JobStore> job_store, FileStore file_store)
       : options(std::move(farm_options)),
+        directory_lock(std::move(state_dir_lock)),
         files(std::move(file_store)),
         store(std::move(job_store)) {}
 
   const FarmOptions options;
+  const std::unique_ptr<DirectoryLock> directory_lock;
   const FileStore files;
   Subscriptions subscriptions;
 

@@ -204,6 +204,19 @@ TEST_F(FarmTest, ReportsSamplesThatAreNotFinite) {
             kFlagNonFinite);
 }
 
+TEST_F(FarmTest, KeepsOthersOutOfItsDirectory) {
+  const JobId job = Submit(Spec(16, 16, 8));
+  const std::filesystem::path film = directory_.path() / "films" / (job + ".film");
+  FarmOptions options;
+  options.state_dir = directory_.path();
+  const auto other = Farm::Create(options, NewMemoryJobStore());
+  EXPECT_EQ(other.status().code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_THAT(std::string(other.status().message()), HasSubstr("another coordinator"));
+  EXPECT_TRUE(std::filesystem::exists(film));
+  farm_.reset();
+  EXPECT_TRUE(Farm::Create(options, NewMemoryJobStore()).ok());
+}
+
 TEST_F(FarmTest, DeletesEndedJobsAlone) {
   const JobId job = Submit(Spec(16, 16, 8));
   EXPECT_EQ(farm_->Delete(job).code(), absl::StatusCode::kFailedPrecondition);

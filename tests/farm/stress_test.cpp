@@ -42,7 +42,9 @@ TEST_F(StressTest, AJobCancelledWhileItsFiguresAreMadeCanBeRetried) {
   while (Status(job).fraction < 1) std::this_thread::yield();
   const bool cancelled = farm_->Cancel(job, now_).ok();  // Unless the figures were there already.
   finish.join();
-  if (cancelled) EXPECT_TRUE(farm_->Retry(job, now_).ok());
+  if (cancelled) {
+    EXPECT_TRUE(farm_->Retry(job, now_).ok());
+  }
   EXPECT_EQ(Status(job).state, JobState::kDone);
   EXPECT_NE(Status(job).result, Digest());
 }
