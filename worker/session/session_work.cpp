@@ -172,10 +172,11 @@ void WorkerSession::Render() {
 
 std::optional<Lease> WorkerSession::NextToRender() {
   // A lease whose scene is being loaded lets later ones pass.
-  const auto ready = std::find_if(leases_.begin(), leases_.end(), [&](const Lease& lease) {
+  const auto can_render = [&](const Lease& lease) STRATA_REQUIRES(mutex_) {
     const Job& job = *jobs_.at(lease.job);
     return job.renderer || !job.failure.ok();
-  });
+  };
+  const auto ready = std::find_if(leases_.begin(), leases_.end(), can_render);
   if (ready == leases_.end()) return std::nullopt;
   Lease lease = std::move(*ready);
   leases_.erase(ready);
