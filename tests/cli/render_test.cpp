@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <regex>
 #include <set>
 #include <sstream>
 
@@ -122,6 +123,52 @@ TEST(Render, TheDigestDoesNotDependOnThreadsWorkersOrTiles) {
             one["digest"]);
   // The control: another seed is another render.
   EXPECT_NE(Done({"render", scene, "--json", "--seed", "1"})["digest"], one["digest"]);
+}
+
+TEST(Render, SamplesThatAreNotFiniteAreCountedAndReplayableAndTheImageIsKept) {
+  const SceneFolder folder;
+  // A sky as bright as a float can be: the diffuse floor that gathers it overflows, the sky seen
+  // past it does not.
+  const std::string scene = folder.Write("bright.pbrt", R"(Camera "perspective"
+Film "rgb" "integer xresolution" [16] "integer yresolution" [16]
+Sampler "independent" "integer pixelsamples" [16]
+WorldBegin
+LightSource "infinite" "rgb L" [3e38 3e38 3e38]
+Material "diffuse" "rgb reflectance" [0.9 0.9 0.9]
+Shape "trianglemesh" "point3 P" [-9 -1 -9  9 -1 -9  9 -1 9  -9 -1 9] "integer indices" [0 2 1 0 3 2]
+)");
+  const std::string out = folder.Path("out.exr");
+  const CommandResult render = RunStrata({"render", scene, "-o", out, "--quiet"});
+  EXPECT_EQ(render.exit_status, 1);
+  std::smatch count;
+  ASSERT_TRUE(std::regex_search(render.err, count,
+                                std::regex("([1-9][0-9]*) samples were NaN or infinite")))
+      << render.err;
+  const absl::StatusOr<ImageLayers> image = ReadExr(out);
+  ASSERT_TRUE(image.ok()) << image.status();
+  // The variance of such radiances is more than a float can hold, the picture itself is not.
+  ASSERT_EQ(image->channels[0], "R");
+  for (size_t i = 0; i < image->values.size(); i += image->channels.size()) {
+    for (size_t channel = 0; channel < 3; ++channel) {
+      ASSERT_TRUE(std::isfinite(image->values[i + channel])) << "value " << i;
+    }
+  }
+
+  const CommandResult json_render = RunStrata({"render", scene, "--json", "--quiet"});
+  EXPECT_EQ(json_render.exit_status, 1);
+  EXPECT_EQ(std::to_string(json::parse(Lines(json_render.out).back())["nonfinite"].get<uint64_t>()),
+            count[1]);
+
+  // The command that is named runs, and shows the sample that was not finite.
+  std::smatch command;
+  ASSERT_TRUE(std::regex_search(render.err, command, std::regex("replay it with: strata (.*)")))
+      << render.err;
+  std::vector<std::string> words;
+  std::istringstream stream(command[1]);
+  for (std::string word; stream >> word;) words.push_back(word);
+  const CommandResult replay = RunStrata(words, {.directory = folder.Path("")});
+  EXPECT_EQ(replay.exit_status, 0) << replay.err;
+  EXPECT_TRUE(std::regex_search(replay.out, std::regex("inf|nan"))) << replay.out;
 }
 
 TEST(Render, RoundingOfSamplesIsSaid) {
