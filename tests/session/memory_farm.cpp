@@ -191,7 +191,8 @@ void MemoryConnection::ToSession() {
   while (queues_->Take(queues_->to_session, &message)) session_.Receive(std::move(message));
 }
 
-MemoryWorker::MemoryWorker(std::filesystem::path cache_directory) {
+MemoryWorker::MemoryWorker(std::filesystem::path cache_directory,
+                           std::unique_ptr<RenderEngine> engine) {
   Hello hello;
   hello.build = "test";
   hello.kernel_revision = 1;
@@ -199,7 +200,7 @@ MemoryWorker::MemoryWorker(std::filesystem::path cache_directory) {
   hello.threads = 1;
   auto cache = FileCache::Open(std::move(cache_directory), 1 << 20);
   EXPECT_TRUE(cache.ok()) << cache.status().message();
-  session_ = std::make_unique<WorkerSession>(hello, *std::move(cache), NewNumberEngine(),
+  session_ = std::make_unique<WorkerSession>(hello, *std::move(cache), std::move(engine),
                                              [this](const absl::Status& status) {
                                                MutexLock lock(mutex_);
                                                left_ = status;

@@ -66,7 +66,8 @@ class MemoryConnection {
 /// A worker's session with its cache, connected or not.
 class MemoryWorker {
  public:
-  explicit MemoryWorker(std::filesystem::path cache_directory);
+  explicit MemoryWorker(std::filesystem::path cache_directory,
+                        std::unique_ptr<RenderEngine> engine = NewNumberEngine());
   ~MemoryWorker();
   void Connect(Farm& farm, Weather weather, uint32_t seed);
   void Disconnect();

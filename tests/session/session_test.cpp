@@ -104,6 +104,63 @@ TEST(Session, CancelStopsAUnitThatNeverEnds) {
   EXPECT_EQ(farm.farm().Get(slow)->state, JobState::kCancelled);
 }
 
+/// What an engine has done and still holds.
+struct EngineCounts {
+  std::atomic<int> loads = 0, renderers = 0;
+};
+
+class CountedRenderer final : public UnitRenderer {
+ public:
+  CountedRenderer(std::unique_ptr<UnitRenderer> renderer, EngineCounts& counts)
+      : renderer_(std::move(renderer)), counts_(counts) {
+    ++counts_.renderers;
+  }
+  ~CountedRenderer() override { --counts_.renderers; }
+  absl::StatusOr<Partial> Render(const WorkUnit& unit, const std::atomic<bool>& cancel) override {
+    return renderer_->Render(unit, cancel);
+  }
+
+ private:
+  std::unique_ptr<UnitRenderer> renderer_;
+  EngineCounts& counts_;
+};
+
+class CountedEngine final : public RenderEngine {
+ public:
+  explicit CountedEngine(EngineCounts& counts) : counts_(counts) {}
+  absl::StatusOr<std::shared_ptr<const LoadedScene>> Load(const FileSource& source,
+                                                          const std::string& scene_path) override {
+    ++counts_.loads;
+    return engine_->Load(source, scene_path);
+  }
+  absl::StatusOr<std::unique_ptr<UnitRenderer>> Prepare(std::shared_ptr<const LoadedScene> scene,
+                                                        const JobSpec& spec) override {
+    STRATA_ASSIGN_OR_RETURN(std::unique_ptr<UnitRenderer> renderer,
+                            engine_->Prepare(std::move(scene), spec));
+    return std::make_unique<CountedRenderer>(std::move(renderer), counts_);
+  }
+
+ private:
+  const std::unique_ptr<RenderEngine> engine_ = NewNumberEngine();
+  EngineCounts& counts_;
+};
+
+TEST(Session, ForgetsAnEndedJobAndKeepsItsScene) {
+  ScratchDirectory directory;
+  MemoryFarm farm(directory / "state");
+  EngineCounts counts;
+  MemoryWorker worker(directory / "cache", std::make_unique<CountedEngine>(counts));
+  worker.Connect(farm.farm(), {}, 1);
+  for (uint64_t seed = 0; seed < 3; ++seed) {
+    JobSpec spec = farm.Spec("scene");
+    spec.seed = seed;
+    const JobId job = *farm.farm().Submit(spec, "", Now());
+    EXPECT_EQ(farm.AwaitEnd(job).state, JobState::kDone);
+    while (counts.renderers > 0) Nap();
+  }
+  EXPECT_EQ(counts.loads, 1);
+}
+
 TEST(Session, HeartbeatsComeWhileAUnitRenders) {
   ScratchDirectory directory;
   MemoryFarm farm(directory / "state");

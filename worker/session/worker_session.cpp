@@ -144,10 +144,16 @@ void WorkerSession::On(Lease& lease) {
 
 void WorkerSession::On(CancelJob& cancel) {
   std::shared_ptr<BundleFetch> fetch;
+  std::shared_ptr<Job> job;  // Lives until the lock is gone.
   {
     MutexLock lock(mutex_);
     std::erase_if(leases_, [&](const Lease& lease) { return lease.job == cancel.job; });
     if (current_ && current_->job == cancel.job) current_->cancelled = true;
+    if (const auto known = jobs_.find(cancel.job); known != jobs_.end()) {
+      job = std::move(known->second);
+      job->cancelled = true;
+      jobs_.erase(known);
+    }
     if (fetching_ == cancel.job) fetch = fetch_;
   }
   if (fetch) fetch->Abort(absl::CancelledError("the job was cancelled"));
@@ -187,6 +193,7 @@ void WorkerSession::Say(FromWorker message) {
 void WorkerSession::SayResult(const Job& job, UnitResult result) {
   {
     MutexLock lock(mutex_);
+    if (job.cancelled) return;
     if (!job.described || !welcomed_) {
       if (unsent_.size() < kMaxUnsent) {
         unsent_.emplace_back(job.description.spec, std::move(result));

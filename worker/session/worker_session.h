@@ -57,6 +57,7 @@ class WorkerSession {
   struct Job {
     JobDescription description;
     bool described = true;                   ///< Over the present connection.
+    bool cancelled = false;                  ///< Nobody wants its results any more.
     std::shared_ptr<UnitRenderer> renderer;  ///< Null until loaded.
     absl::Status failure;                    ///< Why it could not be loaded.
     double load_seconds = 0;                 ///< 0: the scene was there.
@@ -78,7 +79,7 @@ class WorkerSession {
   void On(Refusal& refusal);
   void On(JobDescription& description);
   void On(Lease& lease);
-  void On(CancelJob& cancel);
+  void On(CancelJob& cancel);  ///< Forgets the job, or many frames would pile up; not its scene.
   void On(CancelLease& cancel);
   void On(FileChunk& chunk);
   void On(strata::Drain&);
