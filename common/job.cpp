@@ -13,6 +13,8 @@ namespace {
 
 constexpr int kMaxFrameEdge = 65536;
 constexpr size_t kMaxNameBytes = 256;
+/// A plan lists the pieces of 32 samples a replicate is cut into: 4 MiB of them at this number.
+constexpr uint32_t kMaxSpp = 1 << 27;
 constexpr double kMaxFilterRadius = 64;
 
 constexpr std::array<std::pair<SamplerKind, std::string_view>, 2> kSamplerNames = {{
@@ -100,6 +102,7 @@ absl::Status ValidateJobSpec(const JobSpec& spec) {
   if (spec.spp == 0 || spec.spp % kReplicates != 0) {
     return Bad("spp", fmt::format("{} is not a positive multiple of {}", spec.spp, kReplicates));
   }
+  STRATA_RETURN_IF_ERROR(CheckRange("spp", spec.spp, 1, kMaxSpp));
   return CheckRange("tile", spec.tile, 8, 1024);
 }
 

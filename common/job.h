@@ -55,7 +55,7 @@ struct JobSpec {
   int max_depth = 5;          ///< Bounces, as pbrt-v4's maxdepth; 0 to 100000.
   SamplerKind sampler = SamplerKind::kSobol;
   FilterSpec filter;
-  uint32_t spp = 64;  ///< Samples per pixel over all replicates: a positive multiple of 8.
+  uint32_t spp = 64;  ///< Samples per pixel over all replicates: a multiple of 8 up to 2^27.
   int tile = 32;      ///< Edge of a tile in pixels, 8 to 1024.
   uint64_t seed = 0;
   uint32_t frame = 0;

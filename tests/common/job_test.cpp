@@ -51,6 +51,7 @@ TEST(JobSpecTest, NamesTheFieldThatIsWrong) {
       {"filter.b", [nan](JobSpec& s) { s.filter.b = nan; }},
       {"spp", [](JobSpec& s) { s.spp = 0; }},
       {"spp", [](JobSpec& s) { s.spp = 12; }},
+      {"spp", [](JobSpec& s) { s.spp = 0xfffffff8; }},
       {"tile", [](JobSpec& s) { s.tile = 4; }},
   };
   for (const BadField& field : bad) {
