@@ -1,7 +1,6 @@
 #include "cli/job_options.h"
 
 #include <cmath>
-#include <limits>
 
 #include "cli/exit_status.h"
 #include "cli/scene_images.h"
@@ -59,10 +58,9 @@ absl::Status ResolveFrame(const JobOptions& options, const FrameDefaults& defaul
 absl::StatusOr<uint32_t> ResolveSpp(const JobOptions& options, uint32_t scene_spp,
                                     std::vector<std::string>* notes) {
   const uint64_t asked = options.spp.value_or(scene_spp);
-  constexpr uint64_t kMost = std::numeric_limits<uint32_t>::max() / kReplicates * kReplicates;
-  if (asked < 1 || asked > kMost) {
+  if (asked < 1 || asked > kMaxSpp) {
     return absl::InvalidArgumentError(
-        absl::StrCat("--spp: ", asked, " is out of range, give 1 to ", kMost));
+        absl::StrCat("--spp: ", asked, " is out of range, give 1 to ", kMaxSpp));
   }
   const uint64_t spp = (asked + kReplicates - 1) / kReplicates * kReplicates;
   if (spp != asked) {

@@ -13,8 +13,6 @@ namespace {
 
 constexpr int kMaxFrameEdge = 65536;
 constexpr size_t kMaxNameBytes = 256;
-/// A plan lists the pieces of 32 samples a replicate is cut into: 4 MiB of them at this number.
-constexpr uint32_t kMaxSpp = 1 << 27;
 constexpr double kMaxFilterRadius = 64;
 
 constexpr std::array<std::pair<SamplerKind, std::string_view>, 2> kSamplerNames = {{

@@ -23,6 +23,10 @@ struct PixelRect {
   bool operator==(const PixelRect&) const = default;
 };
 
+/// The most samples per pixel. A plan lists the pieces of 32 samples a replicate is cut into: 4 MiB
+/// of them at this number.
+inline constexpr uint32_t kMaxSpp = 1 << 27;
+
 enum class SamplerKind { kSobol, kIndependent };
 enum class FilterKind { kBox, kTriangle, kGaussian, kMitchell };
 
@@ -55,7 +59,7 @@ struct JobSpec {
   int max_depth = 5;          ///< Bounces, as pbrt-v4's maxdepth; 0 to 100000.
   SamplerKind sampler = SamplerKind::kSobol;
   FilterSpec filter;
-  uint32_t spp = 64;  ///< Samples per pixel over all replicates: a multiple of 8 up to 2^27.
+  uint32_t spp = 64;  ///< Samples per pixel over all replicates: a multiple of 8 up to kMaxSpp.
   int tile = 32;      ///< Edge of a tile in pixels, 8 to 1024.
   uint64_t seed = 0;
   uint32_t frame = 0;
