@@ -275,7 +275,7 @@ TEST_F(EstimateTest, ImageHasTheLayersInOrder) {
                                              "ci95.R",     "ci95.G",     "ci95.B",    "variance.R",
                                              "variance.G", "variance.B", "samples.Y", "flags.Y"};
   EXPECT_EQ(image.channels, expected);
-  const PixelEstimate& estimate = At(Whole(), 12, 7);
+  const PixelEstimate estimate = At(Whole(), 12, 7);
   const size_t pixel = static_cast<size_t>((7 - 1) * spec_.crop.Width() + (12 - 2));
   const float* values = &image.values[pixel * expected.size()];
   EXPECT_EQ(values[1], static_cast<float>(estimate.mean[1]));
