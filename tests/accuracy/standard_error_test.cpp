@@ -29,7 +29,9 @@ struct PixelTrials {
 
 std::vector<PixelEstimate> RenderAndEstimate(const Renderer& renderer, RenderPool& pool,
                                              const JobSpec& spec) {
-  const auto path = std::filesystem::path(testing::TempDir()) / "standard_error.film";
+  // The tests of this file may run at the same time.
+  const char* test = testing::UnitTest::GetInstance()->current_test_info()->name();
+  const auto path = std::filesystem::path(testing::TempDir()) / (std::string(test) + ".film");
   const TileGrid grid{spec.crop, spec.tile};
   auto film = Film::Create(path, {FilmLayer::kPath, grid, LayoutOf(spec)});
   EXPECT_TRUE(film.ok()) << film.status();
