@@ -94,20 +94,20 @@ struct MemoryConnection::Queues {
 
   /// False when the connection broke.
   template <class Message>
-  bool Take(std::deque<Message>& queue, Message* message) {
+  bool Take(std::deque<Message> Queues::*queue, Message* message) {
     MutexLock lock(mutex);
-    while (queue.empty() && !broken) changed.Wait(mutex);
+    while ((this->*queue).empty() && !broken) changed.Wait(mutex);
     if (broken) return false;
-    *message = std::move(queue.front());
-    queue.pop_front();
+    *message = std::move((this->*queue).front());
+    (this->*queue).pop_front();
     return true;
   }
 
   template <class Message>
-  void Put(std::deque<Message>& queue, Message message) {
+  void Put(std::deque<Message> Queues::*queue, Message message) {
     {
       MutexLock lock(mutex);
-      queue.push_back(std::move(message));
+      (this->*queue).push_back(std::move(message));
     }
     changed.NotifyAll();
   }
@@ -116,7 +116,7 @@ struct MemoryConnection::Queues {
 class MemoryConnection::WorkerSide final : public CoordinatorLink {
  public:
   explicit WorkerSide(std::shared_ptr<Queues> queues) : queues_(std::move(queues)) {}
-  void Send(FromWorker message) override { queues_->Put(queues_->to_farm, std::move(message)); }
+  void Send(FromWorker message) override { queues_->Put(&Queues::to_farm, std::move(message)); }
 
  private:
   std::shared_ptr<Queues> queues_;
@@ -125,7 +125,7 @@ class MemoryConnection::WorkerSide final : public CoordinatorLink {
 class MemoryConnection::FarmSide final : public WorkerLink {
  public:
   explicit FarmSide(std::shared_ptr<Queues> queues) : queues_(std::move(queues)) {}
-  void Send(ToWorker message) override { queues_->Put(queues_->to_session, std::move(message)); }
+  void Send(ToWorker message) override { queues_->Put(&Queues::to_session, std::move(message)); }
   void Close() override {
     MutexLock lock(queues_->mutex);
     queues_->closed = true;
@@ -168,7 +168,7 @@ void MemoryConnection::ToFarm() {
   std::string worker;
   std::optional<FromWorker> held;  // A result that lets the next message pass.
   FromWorker message;
-  while (queues_->Take(queues_->to_farm, &message)) {
+  while (queues_->Take(&Queues::to_farm, &message)) {
     if (chance(random_) < weather_.delay) Nap(static_cast<int>(1000 * chance(random_)));
     if (const Hello* hello = std::get_if<Hello>(&message)) {
       worker = farm_.Connect(*hello, std::make_shared<FarmSide>(queues_), Now());
@@ -188,7 +188,7 @@ void MemoryConnection::ToFarm() {
 
 void MemoryConnection::ToSession() {
   ToWorker message;
-  while (queues_->Take(queues_->to_session, &message)) session_.Receive(std::move(message));
+  while (queues_->Take(&Queues::to_session, &message)) session_.Receive(std::move(message));
 }
 
 MemoryWorker::MemoryWorker(std::filesystem::path cache_directory,
