@@ -22,7 +22,7 @@ runtime=(
   libabsl20220623 libspdlog1.10 libssl3
 )
 # To test, and to compile often.
-test=(libgtest-dev libboost-dev ccache)
+test=(libgtest-dev libgmock-dev libbenchmark-dev libboost-dev ccache)
 # For what CI checks on top: formatting, locking, containers.
 ci=(clang clang-format docker.io docker-compose debootstrap)
 
