@@ -70,8 +70,8 @@ class Farm {
   std::vector<WorkerStatus> Workers(SteadyTime now) const;
   /// Answers with Welcome or Refusal over the link; returns the worker's id either way.
   std::string Connect(const Hello& hello, std::shared_ptr<WorkerLink> link, SteadyTime now);
-  /// One message of a connected worker; merging happens in here. Blocks while the merge queue of
-  /// the farm is full, so that reads are re-armed only when there is room.
+  /// One message of a connected worker. A result is merged in here, by the calling thread, and the
+  /// call returns when it is: who reads a stream re-arms only then.
   void Receive(const std::string& worker, FromWorker message, SteadyTime now);
   void Disconnect(const std::string& worker, SteadyTime now);
   /// Ask a worker to finish what it holds and leave.
