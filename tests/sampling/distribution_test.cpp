@@ -20,11 +20,11 @@ TEST(PiecewiseConstant1D, SamplesFollowTheWeightsAndTheRestIsUniform) {
   std::vector<double> counts(weights.size() * kParts, 0.0), expected;
   for (int i = 0; i < kSamples; ++i) {
     const PiecewiseConstant1D::Point point = distribution.Sample(random.Float());
-    ASSERT_EQ(static_cast<int>(point.x * distribution.cells()), point.cell);
-    ASSERT_EQ(point.probability, distribution.Probability(point.cell));
-    ASSERT_EQ(distribution.Pdf(point.x), point.probability * distribution.cells());
-    ASSERT_GT(point.probability, 0);
-    ++counts[point.cell * kParts + static_cast<int>(point.fraction * kParts)];
+    ASSERT_EQ(static_cast<int>(point.x * distribution.cells()), point.choice.cell);
+    ASSERT_EQ(point.choice.probability, distribution.Probability(point.choice.cell));
+    ASSERT_EQ(distribution.Pdf(point.x), point.choice.probability * distribution.cells());
+    ASSERT_GT(point.choice.probability, 0);
+    ++counts[point.choice.cell * kParts + static_cast<int>(point.choice.fraction * kParts)];
   }
   for (const double w : weights) {
     for (int i = 0; i < kParts; ++i) expected.push_back(kSamples * w / total / kParts);
@@ -56,7 +56,7 @@ TEST(PiecewiseConstant1D, ProbabilitiesSumToOneExactlyAndMissNoCell) {
     EXPECT_EQ(sum, 1);
     for (const float u : {0.0f, 0.5f, 1 - 0x1p-24f}) {
       const PiecewiseConstant1D::Point point = distribution.Sample(u);
-      EXPECT_GT(weights[point.cell], 0);
+      EXPECT_GT(weights[point.choice.cell], 0);
       EXPECT_LT(point.x, 1);
     }
   }
@@ -71,7 +71,7 @@ TEST(PiecewiseConstant1D, StratifiedNumbersStayStratified) {
     const PiecewiseConstant1D::Point point = distribution.Sample((i + 0.5f) / 800);
     EXPECT_GE(point.x, last);
     last = point.x;
-    ++counts[point.cell];
+    ++counts[point.choice.cell];
   }
   EXPECT_EQ(counts, (std::vector<int>{100, 200, 500}));
 }

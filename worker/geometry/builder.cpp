@@ -135,7 +135,7 @@ absl::Status ShapeBuilder::AddMesh(const ShapeDescription& shape, const Triangle
     const Vec3f p2 = vertices.positions[indices[2]];
     const Vec3f cross = Cross(p1 - p0, p2 - p0);
     if (cross == Vec3f{} || !IsFinite(cross)) continue;  // No area, or beyond float.
-    Vec3f ng = NormalizeInDouble(cross);
+    Vec3f ng = NormalizeAny(cross).direction;
     bool flipped = mirrored;
     if (!vertices.normals.empty()) {
       // Vertex normals tell the outer side, for the triangle as a whole.

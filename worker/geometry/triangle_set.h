@@ -35,12 +35,24 @@ struct TriangleSet {
   std::vector<Shape> shapes;
 };
 
+struct UnitVector {
+  Vec3f direction;
+  float length;  ///< Of what it was made from.
+};
+
 /// The unit vector along `v`, whose squared length may lie outside the range of float.
-inline Vec3f NormalizeInDouble(Vec3f v) {
+inline UnitVector NormalizeAny(Vec3f v) {
+  const float length2 = LengthSquared(v);
+  if (length2 > 1e-30f && length2 < 1e30f) {
+    const float length = std::sqrt(length2);
+    return {v * (1 / length), length};
+  }
   const double x = v.x, y = v.y, z = v.z;
-  const double scale = 1 / std::sqrt(x * x + y * y + z * z);
-  return {static_cast<float>(x * scale), static_cast<float>(y * scale),
-          static_cast<float>(z * scale)};
+  const double length = std::sqrt(x * x + y * y + z * z);
+  const double scale = 1 / length;
+  return {
+      {static_cast<float>(x * scale), static_cast<float>(y * scale), static_cast<float>(z * scale)},
+      static_cast<float>(length)};
 }
 
 /// The point with barycentric coordinates (1 - u - v, u, v) of a triangle, in the set's space.
@@ -64,8 +76,8 @@ inline SurfacePoint PointOnTriangle(const TriangleSet& set, uint32_t primitive, 
   point.p = p0 + (u * e1 + v * e2);
 
   const Vec3f cross = Cross(e1, e2);
-  Vec3f ng = NormalizeInDouble(cross);
-  if (triangle.flipped) ng = -ng;
+  const UnitVector normal = NormalizeAny(cross);
+  const Vec3f ng = triangle.flipped ? -normal.direction : normal.direction;
   point.ng = point.ns = ng;
 
   const Vec3f size1 = Abs(e1), size2 = Abs(e2);
@@ -74,7 +86,7 @@ inline SurfacePoint PointOnTriangle(const TriangleSet& set, uint32_t primitive, 
   const Vec3f cross_terms = {size1.y * size2.z + size1.z * size2.y,
                              size1.z * size2.x + size1.x * size2.z,
                              size1.x * size2.y + size1.y * size2.x};
-  const float tilt = Gamma(3) * Dot(cross_terms, reach) / AbsDot(cross, ng);
+  const float tilt = Gamma(3) * Dot(cross_terms, reach) / normal.length;
   point.p_error = Gamma(1) * Abs(point.p) + Gamma(5) * reach + tilt * Abs(ng);
 
   if (shape.uv_offset == TriangleSet::Shape::kNone) {

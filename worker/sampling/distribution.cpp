@@ -6,7 +6,7 @@
 namespace strata {
 namespace {
 
-constexpr uint32_t kPoints = 1u << 24;
+constexpr uint32_t kPoints = PiecewiseConstant1D::kPoints;
 
 double Clean(double weight) { return weight > 0 && std::isfinite(weight) ? weight : 0; }
 
@@ -39,17 +39,13 @@ void ShareOut(std::span<const Weight> weights, uint32_t* starts) {
 
 int CellOf(float x, int cells) { return static_cast<int>(x * static_cast<float>(cells)); }
 
-/// Inverts the shares of `cells` cells.
-PiecewiseConstant1D::Point Invert(const uint32_t* starts, int cells, float u) {
-  const uint32_t point = std::min(static_cast<uint32_t>(u * 0x1p24f), kPoints - 1);
-  const int cell = static_cast<int>(std::upper_bound(starts, starts + cells, point) - starts) - 1;
-  const float count = static_cast<float>(starts[cell + 1] - starts[cell]);
-  const float fraction = (static_cast<float>(point - starts[cell]) + 0.5f) / count;
+/// A choice among `cells` cells as a point of [0, 1).
+PiecewiseConstant1D::Point PointIn(const PiecewiseConstant1D::Choice& choice, int cells) {
   // Rounding must not move the point to a neighbour, whose density is another.
-  float x = (static_cast<float>(cell) + fraction) / static_cast<float>(cells);
-  while (CellOf(x, cells) > cell) x = std::bit_cast<float>(std::bit_cast<uint32_t>(x) - 1);
-  while (CellOf(x, cells) < cell) x = std::bit_cast<float>(std::bit_cast<uint32_t>(x) + 1);
-  return {x, cell, std::min(fraction, 1 - 0x1p-24f), count * 0x1p-24f};
+  float x = (static_cast<float>(choice.cell) + choice.fraction) / static_cast<float>(cells);
+  while (CellOf(x, cells) > choice.cell) x = std::bit_cast<float>(std::bit_cast<uint32_t>(x) - 1);
+  while (CellOf(x, cells) < choice.cell) x = std::bit_cast<float>(std::bit_cast<uint32_t>(x) + 1);
+  return {x, choice};
 }
 
 std::vector<double> RowSums(std::span<const float> weights, int width, int height) {
@@ -67,10 +63,17 @@ std::vector<double> RowSums(std::span<const float> weights, int width, int heigh
 PiecewiseConstant1D::PiecewiseConstant1D(std::span<const double> weights)
     : starts_(weights.size() + 1) {
   ShareOut(weights, starts_.data());
+  const uint32_t stretches = std::bit_ceil(static_cast<uint32_t>(weights.size()));
+  guide_shift_ = static_cast<uint32_t>(std::countr_zero(kPoints / stretches));
+  uint32_t cell = 0;
+  for (uint32_t stretch = 0; stretch < stretches; ++stretch) {
+    while (starts_[cell + 1] <= stretch << guide_shift_) ++cell;
+    guide_.push_back(cell);
+  }
 }
 
 PiecewiseConstant1D::Point PiecewiseConstant1D::Sample(float u) const {
-  return Invert(starts_.data(), cells(), u);
+  return PointIn(Choose(u), cells());
 }
 
 PiecewiseConstant2D::PiecewiseConstant2D(std::span<const float> weights, int width, int height)
@@ -84,10 +87,14 @@ PiecewiseConstant2D::PiecewiseConstant2D(std::span<const float> weights, int wid
 }
 
 Vec2f PiecewiseConstant2D::Sample(Vec2f u, float* pdf) const {
-  const PiecewiseConstant1D::Point row = rows_.Sample(u.y);
-  const PiecewiseConstant1D::Point column =
-      Invert(&starts_[static_cast<size_t>(row.cell) * (width_ + 1)], width_, u.x);
-  *pdf = row.probability * static_cast<float>(rows_.cells()) * column.probability *
+  using Row = PiecewiseConstant1D;
+  const Row::Point row = rows_.Sample(u.y);
+  const uint32_t* starts = &starts_[static_cast<size_t>(row.choice.cell) * (width_ + 1)];
+  const uint32_t point = Row::PointOf(u.x);
+  const auto cell = std::upper_bound(starts, starts + width_, point) - starts - 1;
+  const Row::Point column =
+      PointIn(Row::ChoiceOf(starts, static_cast<uint32_t>(cell), point), width_);
+  *pdf = row.choice.probability * static_cast<float>(rows_.cells()) * column.choice.probability *
          static_cast<float>(width_);
   return {column.x, row.x};
 }

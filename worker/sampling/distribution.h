@@ -16,12 +16,17 @@ namespace strata {
 /// and no cell is missed however dim it is.
 class PiecewiseConstant1D {
  public:
-  /// What u became: a point and the cell it lies in.
-  struct Point {
-    float x;  ///< In [0, 1).
+  static constexpr uint32_t kPoints = 1u << 24;  ///< Random numbers there are.
+
+  /// The cell u falls in.
+  struct Choice {
     int cell;
     float fraction;     ///< Where in the cell, in (0, 1): the rest of u, still uniform.
     float probability;  ///< Of the cell.
+  };
+  struct Point {
+    float x;  ///< In [0, 1).
+    Choice choice;
   };
 
   /// One cell.
@@ -30,6 +35,12 @@ class PiecewiseConstant1D {
   explicit PiecewiseConstant1D(std::span<const double> weights);
 
   int cells() const { return static_cast<int>(starts_.size()) - 1; }
+  Choice Choose(float u) const {
+    const uint32_t point = PointOf(u);
+    uint32_t cell = guide_[point >> guide_shift_];
+    while (starts_[cell + 1] <= point) ++cell;
+    return ChoiceOf(starts_.data(), cell, point);
+  }
   Point Sample(float u) const;
   float Probability(int cell) const {
     return static_cast<float>(starts_[cell + 1] - starts_[cell]) * 0x1p-24f;
@@ -41,7 +52,23 @@ class PiecewiseConstant1D {
   }
 
  private:
+  friend class PiecewiseConstant2D;
+
+  static uint32_t PointOf(float u) {
+    return std::min(static_cast<uint32_t>(u * 0x1p24f), kPoints - 1);
+  }
+  /// `point` lies in `cell` of those that begin at `starts`.
+  static Choice ChoiceOf(const uint32_t* starts, uint32_t cell, uint32_t point) {
+    const float count = static_cast<float>(starts[cell + 1] - starts[cell]);
+    const float fraction = (static_cast<float>(point - starts[cell]) + 0.5f) / count;
+    return {static_cast<int>(cell), std::min(fraction, 1 - 0x1p-24f), count * 0x1p-24f};
+  }
+
   std::vector<uint32_t> starts_;  ///< First point of each cell; ends with 2^24.
+  /// Where to begin the search: the cell of the first point of each of 2^k equal stretches, about
+  /// one for each cell (the cutpoint method; Chen and Asau 1974).
+  std::vector<uint32_t> guide_;
+  uint32_t guide_shift_ = 0;
 };
 
 /// The same on the unit square: rows by their sums (y), then a cell of the row (x). Its tables take

@@ -74,19 +74,6 @@ FilterAxis::FilterAxis(FilterKind kind, double radius, const FilterSpec& spec) {
   for (Cell& cell : cells_) cell.weight = static_cast<float>(cell.weight / mean_sign);
 }
 
-FilterAxis::Point FilterAxis::Sample(float u) const {
-  if (cells_.size() == 1) {  // The box; u stands for the middle of its 2^-24.
-    return {cells_[0].start + cells_[0].width * (u + 0x1p-25f), cells_[0].weight};
-  }
-  const PiecewiseConstant1D::Point chosen = choice_.Sample(u);
-  const Cell& cell = cells_[chosen.cell];
-  const float t = chosen.fraction;
-  // Inverts a linear density (PBRT A.2) in a form that does not cancel.
-  const float root = std::sqrt((1 - t) * cell.first * cell.first + t * cell.last * cell.last);
-  const float within = t * (cell.first + cell.last) / (cell.first + root);
-  return {cell.start + cell.width * std::min(within, 1.0f), cell.weight};
-}
-
 float FilterAxis::Eval(float offset) const {
   for (const Cell& cell : cells_) {
     const float t = (offset - cell.start) / cell.width;

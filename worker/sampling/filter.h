@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "common/job.h"
@@ -24,7 +26,18 @@ class FilterAxis {
   struct Point {
     float offset, weight;
   };
-  Point Sample(float u) const;
+  Point Sample(float u) const {
+    if (cells_.size() == 1) {  // The box; u stands for the middle of its 2^-24.
+      return {cells_[0].start + cells_[0].width * (u + 0x1p-25f), cells_[0].weight};
+    }
+    const PiecewiseConstant1D::Choice chosen = choice_.Choose(u);
+    const Cell& cell = cells_[chosen.cell];
+    const float t = chosen.fraction;
+    // Inverts a linear density (PBRT A.2) in a form that does not cancel.
+    const float root = std::sqrt((1 - t) * cell.first * cell.first + t * cell.last * cell.last);
+    const float within = t * (cell.first + cell.last) / (cell.first + root);
+    return {cell.start + cell.width * std::min(within, 1.0f), cell.weight};
+  }
   /// The filter divided by its integral: weight times density of the samples.
   float Eval(float offset) const;
 
