@@ -36,14 +36,9 @@ inline Polar ToPolar(Vec3f w) {
   const double t = r2 < 0.5 ? r2 / (1 + z) : 1 - std::fabs(static_cast<double>(w.z));
   return {std::clamp(t, 0.0, 1.0), std::atan2(static_cast<double>(w.y), static_cast<double>(w.x))};
 }
-inline Vec3f FromPolar(Polar p, bool upper) {
-  const double s = std::sqrt(p.t * (2 - p.t));
-  const double z = 1 - p.t;
-  return {static_cast<float>(s * std::cos(p.phi)), static_cast<float>(s * std::sin(p.phi)),
-          static_cast<float>(upper ? z : -z)};
-}
-
+/// A part of one hemisphere.
 struct Cell {
+  bool upper;
   double t0, t1, phi0, phi1;
 };
 
@@ -52,36 +47,64 @@ inline constexpr std::array<double, 3> kGaussNodes = {0.2386191860831969, 0.6612
 inline constexpr std::array<double, 3> kGaussWeights = {0.4679139345726910, 0.3607615730481386,
                                                         0.1713244923791704};
 
-/// Six by six Gauss-Legendre points.
-template <typename Function>
-double Quadrature(const Function& f, const Cell& c) {
+/// The density's integral over the cell by six by six Gauss-Legendre points.
+template <typename Pdf>
+double Quadrature(const Pdf& pdf, const Cell& c) {
   const double tm = 0.5 * (c.t0 + c.t1), th = 0.5 * (c.t1 - c.t0);
   const double pm = 0.5 * (c.phi0 + c.phi1), ph = 0.5 * (c.phi1 - c.phi0);
+  struct Turn {
+    double cos, sin;
+  };
+  std::array<Turn, 6> turns;
+  for (int j = 0; j < 6; ++j) {
+    const double phi = pm + (j % 2 ? ph : -ph) * kGaussNodes[j / 2];
+    turns[j] = {std::cos(phi), std::sin(phi)};
+  }
   double sum = 0;
   for (int i = 0; i < 6; ++i) {
     const double t = tm + (i % 2 ? th : -th) * kGaussNodes[i / 2];
+    const double s = std::sqrt(t * (2 - t));
+    const auto z = static_cast<float>(c.upper ? 1 - t : t - 1);
+    double row = 0;
     for (int j = 0; j < 6; ++j) {
-      const double phi = pm + (j % 2 ? ph : -ph) * kGaussNodes[j / 2];
-      sum += kGaussWeights[i / 2] * kGaussWeights[j / 2] * f(Polar{t, phi});
+      const Vec3f w = {static_cast<float>(s * turns[j].cos), static_cast<float>(s * turns[j].sin),
+                       z};
+      row += kGaussWeights[j / 2] * static_cast<double>(pdf(w));
     }
+    sum += kGaussWeights[i / 2] * row;
   }
   return sum * th * ph;
 }
 
-/// Quarters the cell until that no longer changes the integral by `tolerance`.
-template <typename Function>
-double Integrate(const Function& f, const Cell& c, double whole, double tolerance, int depth) {
+/// Halves the cell along the axis where that changes the integral more, until neither changes it by
+/// `tolerance`. Lobes at a pole and jumps along a circle need finer steps along one axis alone.
+template <typename Pdf>
+double Integrate(const Pdf& pdf, const Cell& c, double whole, double tolerance, int depth) {
   const double tm = 0.5 * (c.t0 + c.t1), pm = 0.5 * (c.phi0 + c.phi1);
-  const Cell parts[4] = {{c.t0, tm, c.phi0, pm},
-                         {c.t0, tm, pm, c.phi1},
-                         {tm, c.t1, c.phi0, pm},
-                         {tm, c.t1, pm, c.phi1}};
-  double values[4], sum = 0;
-  for (int i = 0; i < 4; ++i) sum += values[i] = Quadrature(f, parts[i]);
-  if (depth == 0 || std::fabs(sum - whole) < tolerance) return sum;
-  sum = 0;
-  for (int i = 0; i < 4; ++i) sum += Integrate(f, parts[i], values[i], 0.5 * tolerance, depth - 1);
-  return sum;
+  const std::array<Cell, 2> by_t = {
+      {{c.upper, c.t0, tm, c.phi0, c.phi1}, {c.upper, tm, c.t1, c.phi0, c.phi1}}};
+  const std::array<Cell, 2> by_phi = {
+      {{c.upper, c.t0, c.t1, c.phi0, pm}, {c.upper, c.t0, c.t1, pm, c.phi1}}};
+  const std::array<double, 2> t = {Quadrature(pdf, by_t[0]), Quadrature(pdf, by_t[1])};
+  const std::array<double, 2> phi = {Quadrature(pdf, by_phi[0]), Quadrature(pdf, by_phi[1])};
+  const double t_change = std::fabs(t[0] + t[1] - whole);
+  const double phi_change = std::fabs(phi[0] + phi[1] - whole);
+  const bool choose_t = t_change > phi_change;
+  const std::array<Cell, 2>& halves = choose_t ? by_t : by_phi;
+  const std::array<double, 2>& values = choose_t ? t : phi;
+  if (depth == 0 || std::max(t_change, phi_change) < tolerance) return values[0] + values[1];
+  const double share = std::numbers::sqrt2 / 2 * tolerance;
+  return Integrate(pdf, halves[0], values[0], share, depth - 1) +
+         Integrate(pdf, halves[1], values[1], share, depth - 1);
+}
+
+/// The probability of the cell, to a hundredth of the standard deviation of its share of `samples`.
+/// What has less than one hit is as if it had one.
+template <typename Pdf>
+double Probability(const Pdf& pdf, const Cell& c, int samples) {
+  const double whole = Quadrature(pdf, c);
+  const double share = std::clamp(whole, 1.0 / samples, 1.0);
+  return Integrate(pdf, c, whole, 0.01 * std::sqrt(share / samples), 24);
 }
 
 /// Splits intervals until none is more than three times as wide as a neighbour, so that quadrature
@@ -152,16 +175,15 @@ DirectionTestResult TestDirections(const Sample& sample, const Pdf& pdf, int sam
     const int rings = static_cast<int>(hemisphere.rings.size()) - 1;
     std::vector<std::vector<double>> angles(rings);
     for (const Polar& p : pilot[side]) angles[FindCell(hemisphere.rings, p.t)].push_back(p.phi);
-    const auto density = [&](Polar p) { return static_cast<double>(pdf(FromPolar(p, side == 1))); };
     for (int ring = 0; ring < rings; ++ring) {
       hemisphere.sectors.push_back(
           QuantileEdges(angles[ring], kSectors, -std::numbers::pi, std::numbers::pi));
       hemisphere.first.push_back(static_cast<int>(expected.size()));
       const std::vector<double>& edges = hemisphere.sectors.back();
       for (size_t s = 0; s + 1 < edges.size(); ++s) {
-        const Cell cell = {hemisphere.rings[ring], hemisphere.rings[ring + 1], edges[s],
+        const Cell cell = {side == 1, hemisphere.rings[ring], hemisphere.rings[ring + 1], edges[s],
                            edges[s + 1]};
-        const double mass = Integrate(density, cell, Quadrature(density, cell), 1e-7, 12);
+        const double mass = Probability(pdf, cell, samples);
         integral += mass;
         // Below this the quadrature cannot tell nothing from little.
         expected.push_back(std::max(mass, 1e-8) * samples);
