@@ -53,7 +53,7 @@ absl::StatusOr<Row> Measure(const std::string& path, const Options& options) {
   const std::filesystem::path file = std::filesystem::absolute(path);
   const DirectorySource source(file.parent_path());
   Row row;
-  row.scene = file.parent_path().filename().string();
+  row.scene = (file.parent_path().filename() / file.stem()).string();
   const Clock::time_point load = Clock::now();
   STRATA_ASSIGN_OR_RETURN(const auto scene, LoadScene(source, file.filename().string()));
   row.load_s = Since(load);
@@ -110,17 +110,22 @@ nlohmann::json ToJson(const Row& row) {
           {"outside_embree_ns_per_ray", row.outside_ns}};
 }
 
+/// The project's own scenes, then the shared ones: FOLDER/FILE.pbrt below either root.
 std::vector<std::string> DefaultScenes() {
   std::vector<std::string> scenes;
-  const std::filesystem::path root = STRATA_SOURCE_DIR;
-  for (const std::filesystem::path& folder :
-       {root / "scenes", root / ".." / "shared" / "scenes" / "pbrt"}) {
+  const std::filesystem::path source = STRATA_SOURCE_DIR;
+  for (const std::filesystem::path& root :
+       {source / "scenes", source / ".." / "shared" / "scenes" / "pbrt"}) {
+    const auto first = static_cast<std::ptrdiff_t>(scenes.size());
     std::error_code error;
-    for (const auto& entry : std::filesystem::directory_iterator(folder, error))
-      if (std::filesystem::exists(entry.path() / "scene.pbrt"))
-        scenes.push_back((entry.path() / "scene.pbrt").lexically_normal().string());
+    for (const auto& folder : std::filesystem::directory_iterator(root, error)) {
+      if (!folder.is_directory()) continue;
+      for (const auto& file : std::filesystem::directory_iterator(folder.path()))
+        if (file.path().extension() == ".pbrt")
+          scenes.push_back(file.path().lexically_normal().string());
+    }
+    std::sort(scenes.begin() + first, scenes.end());
   }
-  std::sort(scenes.begin(), scenes.end());
   return scenes;
 }
 
@@ -139,7 +144,7 @@ int Main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   if (scenes.empty()) scenes = DefaultScenes();
   if (!json)
-    std::printf("%-20s %7s %22s %8s %9s %10s %10s %9s\n", "scene", "load s", "Msamples/s",
+    std::printf("%-25s %7s %22s %8s %9s %10s %10s %9s\n", "scene", "load s", "Msamples/s",
                 "Mrays/s", "rays/smp", "raw close", "raw occl", "ns/ray");
   for (const std::string& path : scenes) {
     const auto row = Measure(path, options);
@@ -150,7 +155,7 @@ int Main(int argc, char** argv) {
     if (json)
       std::printf("%s\n", ToJson(*row).dump().c_str());
     else
-      std::printf("%-20s %7.2f %7.3f (%5.3f..%5.3f) %8.2f %9.2f %10.2f %10.2f %9.0f\n",
+      std::printf("%-25s %7.2f %7.3f (%5.3f..%5.3f) %8.2f %9.2f %10.2f %10.2f %9.0f\n",
                   row->scene.c_str(), row->load_s, row->msamples.median, row->msamples.min,
                   row->msamples.max, row->mrays.median, row->rays_per_sample, row->raw.closest,
                   row->raw.occlusion, row->outside_ns);

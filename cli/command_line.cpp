@@ -100,9 +100,8 @@ absl::Status CommandLine::Parse(int argc, const char* const* argv, Console& cons
     app_.parse(argc, argv);
   } catch (const CLI::Success& asked) {  // --help or --version.
     *help_shown = true;
-    const Command* chosen = Chosen();
     const bool version = dynamic_cast<const CLI::CallForVersion*>(&asked) != nullptr;
-    console.Result(version ? asked.what() : chosen ? chosen->app->help() : app_.help());
+    console.Result(version ? asked.what() : app_.help());  // Of the chosen command, if any.
     return absl::OkStatus();
   } catch (const CLI::ParseError& error) {
     // A misspelt option often makes another argument missing; it is the cause, so it goes first.

@@ -153,18 +153,12 @@ absl::StatusOr<JobRecord*> Farm::State::Find(const JobId& job) {
   return entry->second.get();
 }
 
-absl::StatusOr<const JobRecord*> Farm::State::Find(const JobId& job) const {
-  const auto entry = jobs.find(job);
-  if (entry == jobs.end()) return Unknown(job);
-  return entry->second.get();
-}
-
 void Farm::State::Seen(SteadyTime now) { latest = std::max(latest, now); }
 
 void Farm::State::Log(const JobRecord& job, std::string_view level, const std::string& text) {
   const absl::Status status = store->AppendLog(job.id, {UnixNow(), std::string(level), text});
   if (!status.ok()) spdlog::error("job {}: log: {}", job.id, std::string(status.message()));
-  spdlog::info("job {}: {}", job.id, text);
+  spdlog::log(spdlog::level::from_str(std::string(level)), "job {}: {}", job.id, text);
 }
 
 void Farm::State::SetState(JobRecord& job, JobState state, const std::string& message,

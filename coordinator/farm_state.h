@@ -133,7 +133,6 @@ struct Farm::State {
 
   // ---- farm_jobs.cpp ----
   absl::StatusOr<JobRecord*> Find(const JobId& job) STRATA_REQUIRES(mutex);
-  absl::StatusOr<const JobRecord*> Find(const JobId& job) const STRATA_REQUIRES(mutex);
   absl::StatusOr<JobId> AddJob(const JobSpec& spec, const std::string& request_id, SteadyTime now)
       STRATA_REQUIRES(mutex);
   /// Makes the job's film and starts its first round.
@@ -148,6 +147,7 @@ struct Farm::State {
   /// As SetState with a final state; leases end and workers are told.
   void EndJob(JobRecord& job, JobState state, const std::string& message, SteadyTime now)
       STRATA_REQUIRES(mutex);
+  /// To the job's log and to this program's; levels are those of LogLine.
   void Log(const JobRecord& job, std::string_view level, const std::string& text)
       STRATA_REQUIRES(mutex);
   void Seen(SteadyTime now) STRATA_REQUIRES(mutex);

@@ -31,10 +31,9 @@ std::optional<int> ParseOptions(int argc, char** argv, Options* options) {
   app.set_version_flag("--version", BuildRevision());
   WorkerOptions& worker = options->worker;
   worker.threads = std::max(1u, std::thread::hardware_concurrency());
-  CLI::Option* server = app.add_option("--server", options->server, "HOST:PORT of the coordinator")
-                            ->envname("STRATA_SERVER");
-  CLI::Option* cache =
-      app.add_option("--cache", worker.cache_dir, "Directory that keeps the files of scenes");
+  app.add_option("--server", options->server, "HOST:PORT of the coordinator")
+      ->envname("STRATA_SERVER");
+  app.add_option("--cache", worker.cache_dir, "Directory that keeps the files of scenes");
   app.add_option("--cache-limit", worker.cache_bytes, "Most bytes kept there")
       ->transform(CLI::AsSizeValue(false))
       ->capture_default_str();
@@ -48,9 +47,8 @@ std::optional<int> ParseOptions(int argc, char** argv, Options* options) {
   app.add_option("--health-file", worker.health_file, "Keep the state of the link in this file");
   app.add_flag("--insecure", options->insecure,
                "Dial other machines without encryption; for trusted networks");
-  app.add_option("--check", options->check, "Exit 0 if the worker of this health file is connected")
-      ->excludes(server)
-      ->excludes(cache);
+  app.add_option("--check", options->check,
+                 "Only exit 0 if the worker of this health file is connected, else 1");
   try {
     app.parse(argc, argv);
     if (options->check.empty()) {

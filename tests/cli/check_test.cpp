@@ -59,6 +59,18 @@ Shape "sphere"
   EXPECT_EQ(check.out.find("everything is supported"), std::string::npos) << check.out;
 }
 
+TEST(Check, ACoatOverMetalOfAnotherThicknessIsWarnedOf) {
+  const SceneFolder folder;
+  for (const auto& [thickness, warned] : {std::pair{"0.01", false}, {"0.2", true}}) {
+    const std::string scene = folder.Write(
+        "coat.pbrt", std::string("WorldBegin\nMaterial \"coatedconductor\" \"float thickness\" [") +
+                         thickness + "]\nShape \"sphere\"\n");
+    const CommandResult check = RunInProcess({"check", scene});
+    EXPECT_EQ(check.exit_status, 0) << check.err;
+    EXPECT_EQ(check.err.find(scene + ":2: warning: the \"thickness\"") == 0, warned) << check.err;
+  }
+}
+
 TEST(Check, AnErrorInTheSceneIsOneLocatedLineAndStatus2) {
   const SceneFolder folder;
   const std::string scene =

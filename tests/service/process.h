@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -28,9 +29,11 @@ class TemporaryDirectory {
 /// A program of this build, ended by its own pid with this object.
 class Process {
  public:
-  /// `program` of the build's bin directory; its output goes to `log`.
+  /// `program` of the build's bin directory; its output goes to `log`. `environment` is on top of
+  /// this process's.
   Process(const std::string& program, const std::vector<std::string>& arguments,
-          const std::filesystem::path& log);
+          const std::filesystem::path& log,
+          const std::map<std::string, std::string>& environment = {});
   ~Process();
   Process(Process&& other) noexcept : pid_(std::exchange(other.pid_, -1)) {}
 

@@ -277,9 +277,17 @@ TEST(Service, AWorkerMayComeBeforeItsCoordinatorAndTellsItsLink) {
   EXPECT_FALSE(CheckHealthFile(health).ok());
   farm.StartCoordinator();
   EXPECT_TRUE(Eventually([&] { return CheckHealthFile(health).ok(); }));
+  // As in a container, whose environment names the server.
+  const auto check = [&] {
+    return Process("strata-worker", {"--check", health}, directory / "check.log",
+                   {{"STRATA_SERVER", farm.server()}})
+        .Wait();
+  };
+  EXPECT_EQ(check(), 0);
   worker.Signal(SIGTERM);
   EXPECT_EQ(worker.Wait(), 0);
   EXPECT_FALSE(CheckHealthFile(health).ok());
+  EXPECT_EQ(check(), 1);
 }
 
 }  // namespace

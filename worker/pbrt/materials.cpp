@@ -116,7 +116,10 @@ CoatedConductorMaterial MaterialTable::ReadCoatedConductor(ParameterReader& para
   m.conductor_roughness = ReadRoughness(parameters, "conductor.", remap);
   m.interface_eta = ReadEta(parameters, "interface.eta");
   ReadConductor(parameters, "conductor.", color_space, m.eta, m.k, m.reflectance);
-  parameters.Float("thickness", 0.01);
+  if (parameters.Has("thickness") && parameters.Float("thickness", 0.01) != 0.01) {
+    context_.Warn(parameters.where(),
+                  "the \"thickness\" of a coated conductor's layer is ignored; it is 0.01");
+  }
   if (textures_.ConstantValue(textures_.Color(parameters, "albedo", Rgb{},
                                               SpectrumUse::kReflectance, color_space)) != Rgb{}) {
     context_.Warn(parameters.where(), "the \"albedo\" of a coated conductor's layer is ignored");
