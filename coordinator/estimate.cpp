@@ -5,14 +5,17 @@
 #include <limits>
 
 #include "coordinator/pixel_merge.h"
+#include "coordinator/ring_pool.h"
 
 namespace strata {
 namespace {
 
 constexpr int kMargin = EstimateInput::kMargin;
 constexpr size_t kReach = kMargin;
+static_assert(kReach == Neighbourhoods::kReach);
 
-/// The square of s_R / sqrt(R) over replicate means.
+}  // namespace
+
 double ErrorSquared(const PixelLayout& layout, const double* values, int channel, double mean) {
   double sum = 0;
   for (int r = 0; r < kReplicates; ++r) {
@@ -21,63 +24,6 @@ double ErrorSquared(const PixelLayout& layout, const double* values, int channel
   }
   return sum / ((kReplicates - 1) * kReplicates);
 }
-
-/// Sums over square neighbourhoods of the wanted pixels. The order of additions is the same for
-/// every pixel of an image, wherever it lies in its rectangle.
-class Neighbourhoods {
- public:
-  explicit Neighbourhoods(const PixelRect& wanted)
-      : width_(static_cast<size_t>(wanted.Width())),
-        height_(static_cast<size_t>(wanted.Height())) {}
-
-  /// Over the 3x3 block, the pixel included.
-  std::vector<double> Block(const std::vector<double>& plane) const { return Sum<1, true>(plane); }
-  /// Over the 5x5 ring, the pixel itself left out, so that its own samples have no influence.
-  std::vector<double> Ring(const std::vector<double>& plane) const {
-    return Sum<kReach, false>(plane);
-  }
-
- private:
-  // Sums of rows first, then of columns of these sums; the pixel's own row comes last, so that
-  // leaving the pixel out needs no subtraction.
-  template <size_t kRadius, bool kWithCentre>
-  std::vector<double> Sum(const std::vector<double>& plane) const {
-    const size_t rows = height_ + 2 * kRadius;
-    std::vector<double> row_sums(rows * width_);
-    for (size_t j = 0; j < rows; ++j) {
-      AddRow<kRadius, true>(&plane[RowStart(j + kReach - kRadius)], &row_sums[j * width_]);
-    }
-    std::vector<double> sums(height_ * width_);
-    for (size_t y = 0; y < height_; ++y) {
-      double* sum = &sums[y * width_];
-      for (size_t j = 0; j <= 2 * kRadius; ++j) {
-        if (j == kRadius) continue;
-        const double* row = &row_sums[(y + j) * width_];
-        for (size_t x = 0; x < width_; ++x) sum[x] += row[x];
-      }
-      AddRow<kRadius, kWithCentre>(&plane[RowStart(y + kReach)], sum);
-    }
-    return sums;
-  }
-
-  /// Where a row of the plane begins, counted from the margin's first one.
-  size_t RowStart(size_t row) const { return row * (width_ + 2 * kReach); }
-
-  template <size_t kRadius, bool kWithCentre>
-  void AddRow(const double* row, double* sums) const {
-    for (size_t x = 0; x < width_; ++x) {
-      double sum = 0;
-      for (size_t k = kReach - kRadius; k <= kReach + kRadius; ++k) {
-        if (kWithCentre || k != kReach) sum += row[x + k];
-      }
-      sums[x] += sum;
-    }
-  }
-
-  size_t width_, height_;
-};
-
-}  // namespace
 
 EstimateInput GatherEstimateInput(const Film& film, const PixelRect& wanted) {
   const PixelRect& crop = film.geometry().grid.crop;
@@ -114,8 +60,9 @@ EstimateInput GatherEstimateInput(const Film& film, const PixelRect& wanted) {
 }
 
 std::vector<PixelEstimate> Estimate(const EstimateInput& input) {
-  const Neighbourhoods around(input.wanted);
+  const size_t width = static_cast<size_t>(input.wanted.Width());
   const size_t pixels = static_cast<size_t>(input.wanted.Pixels());
+  const Neighbourhoods around({width, pixels / width});
   std::vector<PixelEstimate> estimates(pixels);
 
   std::vector<double> has_samples(input.samples.size());
@@ -124,7 +71,6 @@ std::vector<PixelEstimate> Estimate(const EstimateInput& input) {
   const std::vector<double> block_pixels = around.Block(has_samples);
   const std::vector<double> ring_samples = around.Ring(input.samples);
 
-  const size_t width = static_cast<size_t>(input.wanted.Width());
   const auto input_index = [width](size_t i) {
     return (i / width + kReach) * (width + 2 * kReach) + i % width + kReach;
   };

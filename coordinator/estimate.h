@@ -17,6 +17,9 @@ inline constexpr int kColours = 3;
 /// pools the variance of 3x3 pixels with 7 degrees each, which are worth about 50.
 inline constexpr double kStudent50 = 2.008559112100761;
 
+/// stderr^2, the square of s_R / sqrt(R) over the replicate means, whose mean is `mean`.
+double ErrorSquared(const PixelLayout& layout, const double* values, int channel, double mean);
+
 /// One pixel's estimate. Zero throughout while it has no samples.
 struct PixelEstimate {
   uint64_t samples = 0;  ///< Over all replicates.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 // Sums and means over the neighbours of each pixel of a plane, and over all the rest of it.
@@ -38,9 +39,17 @@ class Neighbourhoods {
 /// Requires at least 2 pixels in each direction.
 std::vector<double> RingMeans(PlaneSize size, const std::vector<double>& plane);
 
-/// The mean over all pixels outside of the 5x5 around each pixel. No cancellation, since nothing is
-/// subtracted: whatever lies inside, NaN included, has no influence. Requires more than 5 pixels in
-/// one direction at least. Time and memory are linear in the pixels.
-std::vector<double> MeansOutside(PlaneSize size, const std::vector<double>& plane);
+/// Whether there are pixels outside of the 5x5 around each one.
+inline bool HasOutside(PlaneSize size) {
+  constexpr size_t kEdge = 2 * Neighbourhoods::kReach + 1;
+  return size.width > kEdge || size.height > kEdge;
+}
+
+/// Calls visit(y, means of the row) for each row, from the first to the last: for each pixel the
+/// mean over all pixels outside of the 5x5 around it. No cancellation, since nothing is subtracted:
+/// whatever lies inside, NaN included, has no influence. Requires more than 5 pixels in one
+/// direction at least. Time is linear in the pixels.
+void VisitMeansOutside(PlaneSize size, const std::vector<double>& plane,
+                       const std::function<void(size_t y, const double* means)>& visit);
 
 }  // namespace strata
