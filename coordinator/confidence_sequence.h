@@ -1,11 +1,32 @@
 #pragma once
 
+// An interval for someone who watches.
+//
+// The final report's interval, t(50, 0.975) sqrt(v / n), holds at a count fixed beforehand. Looked
+// at after every sample it fails at some time far more often. Shown instead, from the first display
+// at n0 samples to the last that are planned, N, is +- c sqrt(v / n) with one c for the whole time:
+// the boundary of a repeated significance test. For a Brownian motion W
+//   P(|W(n)| >= c sqrt(n) for some n in [n0, N]) ~ phi(c) ((c - 1/c) ln(N / n0) + 4/c)
+// (Miller and Siegmund 1982, "Maximally selected chi square statistics", Biometrics 38; Siegmund
+// 1985, "Sequential Analysis", chapter 4), which is set to 5 %. Then c is widened as Student's
+// quantile with 50 degrees of freedom is against the normal one, since v is pooled over the 3x3
+// block and always has about so few, however large n is.
+//
+// Why this one. The asymptotic confidence sequence of Waudby-Smith, Arbour, Sinha, Kennedy and
+// Ramdas (2021, "Time-uniform central limit theory and asymptotic confidence sequences") holds for
+// ever, and pays for times that are not shown: tuned to N, it is 5.6 sqrt(v / n) wide at n = N/32
+// and 3.04 at N. Bonferroni's t(50) quantile over doubling looks is narrower (2.75 for N = 32 n0),
+// but it holds for these looks alone, and a farm shows more of them. This one is 3.13 throughout,
+// and holds however many looks there are. Figures: tests/farm/confidence_sequence_test.cpp.
+//
+// It is for display. No plan depends on it.
+
 namespace strata {
 
-/// The half-width, around the mean, of a 95 % interval that holds at all times of a watched render:
-/// the chance that the intervals shown from `first` to `planned` samples ever miss is 5 %.
-/// `variance` is n stderr^2 pooled over the 3x3 block, `samples` those merged so far, all over the
-/// replicates of one pixel, with first <= samples <= planned.
-double AnytimeHalfWidth(double variance, double samples, double first, double planned);
+/// c: a shown half-width is this many sqrt(v / n), with v = n stderr^2 pooled over the 3x3 block
+/// and n the samples of the pixel, wherever first <= n <= planned. The interval then misses the
+/// expectation at some time with a probability of 5 % at most. Requires 0 < first <= planned;
+/// with one look, first == planned, it is kStudent50.
+double AnytimeFactor(double first, double planned);
 
 }  // namespace strata
