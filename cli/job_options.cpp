@@ -16,13 +16,6 @@ absl::Status CheckNothingMissing(const JobOptions& options) {
     return absl::InvalidArgumentError(
         absl::StrCat(option, " is not there yet in this version; ", instead));
   };
-  const char* spp = "give the samples per pixel with --spp and read the error from the report";
-  if (options.error) return missing("--error", spp);
-  if (options.rmse) return missing("--rmse", spp);
-  if (options.time) return missing("--time", spp);
-  if (options.allocation && *options.allocation != "uniform") {
-    return missing("--allocation other than uniform", "leave it out, or give uniform");
-  }
   if (options.kernel) return missing("--kernel", "leave it out");
   if (options.integrator) return missing("--integrator", "leave it out: jobs are path traced");
   return absl::OkStatus();
@@ -54,10 +47,37 @@ absl::Status ResolveFrame(const JobOptions& options, const FrameDefaults& defaul
   return absl::OkStatus();
 }
 
+/// Samples per pixel a job with a target may take where --spp does not say: a scene's own number
+/// was not meant as a cap.
+constexpr uint32_t kDefaultCap = 1 << 16;
+
+absl::Status ResolveTarget(const JobOptions& options, JobSpec* spec) {
+  if ((options.error ? 1 : 0) + (options.rmse ? 1 : 0) + (options.time ? 1 : 0) > 1) {
+    return absl::InvalidArgumentError(
+        "--error, --rmse and --time exclude each other, give one of them");
+  }
+  if (options.error) {
+    spec->target = TargetKind::kRelativeError;
+    STRATA_ASSIGN_OR_RETURN(spec->target_value, ParseRelativeError(*options.error));
+  } else if (options.rmse) {
+    spec->target = TargetKind::kRmse;
+    STRATA_ASSIGN_OR_RETURN(spec->target_value, ParseRmse(*options.rmse));
+  } else if (options.time) {
+    spec->target = TargetKind::kTime;
+    STRATA_ASSIGN_OR_RETURN(spec->target_value, ParseTime(*options.time));
+  }
+  spec->allocation = AllocationKind::kRing;
+  if (!options.allocation) return absl::OkStatus();
+  const absl::StatusOr<AllocationKind> kind = ParseAllocationKind(*options.allocation);
+  if (!kind.ok()) return Annotate(kind.status(), "--allocation");
+  spec->allocation = *kind;
+  return absl::OkStatus();
+}
+
 /// A positive multiple of the replicates.
-absl::StatusOr<uint32_t> ResolveSpp(const JobOptions& options, uint32_t scene_spp,
+absl::StatusOr<uint32_t> ResolveSpp(const JobOptions& options, uint32_t default_spp,
                                     std::vector<std::string>* notes) {
-  const uint64_t asked = options.spp.value_or(scene_spp);
+  const uint64_t asked = options.spp.value_or(default_spp);
   if (asked < 1 || asked > kMaxSpp) {
     return absl::InvalidArgumentError(
         absl::StrCat("--spp: ", asked, " is out of range, give 1 to ", kMaxSpp));
@@ -94,15 +114,24 @@ void AddJobOptions(CLI::App* command, JobOptions& options) {
   const auto add = [&](const char* name, auto& value, const char* what, const char* type) {
     return command->add_option(name, value, what)->type_name(type)->group(group);
   };
-  add("--spp", options.spp, "Samples per pixel, rounded up to a multiple of 8", "N")
+  add("--spp", options.spp,
+      "Samples per pixel on average, rounded up to a multiple of 8; with a target, the most "
+      "(default "
+      "65536)",
+      "N")
       ->check(CLI::NonNegativeNumber);
+  add("--error", options.error,
+      "Target: 95 % half-width over luminance, for 99 % of pixels, such as 2%", "E");
+  add("--rmse", options.rmse, "Target: root mean square of the standard errors", "E");
+  add("--time", options.time, "Target: time from the first unit on, such as 90s, 15m, 2h", "T");
   add("--resolution", options.resolution, "Size of the full frame in pixels", "WxH");
   add("--crop", options.crop, "Render these pixels alone; x1 and y1 excluded", "x0,y0,x1,y1");
   add("--max-depth", options.max_depth, "Most bounces of a path", "D");
   add("--sampler", options.sampler, "sobol or independent", "NAME");
   add("--filter", options.filter, "box, triangle, gaussian or mitchell; radius in pixels",
       "NAME[:radius]");
-  add("--allocation", options.allocation, "How samples are spread over pixels: uniform", "NAME");
+  add("--allocation", options.allocation,
+      "How samples are spread over pixels: ring (default), uniform, or greedy (biased)", "NAME");
   add("--tile", options.tile, "Edge of a tile in pixels (default 32); decides no bit", "N");
   add("--seed", options.seed, "Another seed is another, independent render (default 0)", "S")
       ->check(CLI::NonNegativeNumber);
@@ -113,11 +142,8 @@ void AddJobOptions(CLI::App* command, JobOptions& options) {
       "Refuse workers that would give other bits (default true)", "BOOL");
   add("--name", options.name, "What the job is called", "NAME");
   add("--priority", options.priority, "-100 to 100, higher first (default 0)", "P");
-  for (const auto& [name, value] : {std::pair{"--error", &options.error},
-                                    {"--rmse", &options.rmse},
-                                    {"--time", &options.time},
-                                    {"--kernel", &options.kernel},
-                                    {"--integrator", &options.integrator}}) {
+  for (const auto& [name, value] :
+       {std::pair{"--kernel", &options.kernel}, {"--integrator", &options.integrator}}) {
     command->add_option(name, *value)->group("");
   }
 }
@@ -172,7 +198,10 @@ absl::StatusOr<JobSpec> ResolveJobSpec(const JobOptions& options, const FrameDef
   STRATA_RETURN_IF_ERROR(CheckNothingMissing(options));
   JobSpec spec;
   STRATA_RETURN_IF_ERROR(ResolveFrame(options, defaults, &spec));
-  STRATA_ASSIGN_OR_RETURN(spec.spp, ResolveSpp(options, defaults.spp, notes));
+  STRATA_RETURN_IF_ERROR(ResolveTarget(options, &spec));
+  const bool capped = spec.target != TargetKind::kSamples;
+  STRATA_ASSIGN_OR_RETURN(spec.spp,
+                          ResolveSpp(options, capped ? kDefaultCap : defaults.spp, notes));
   spec.name = options.name.value_or(DefaultName(fs::absolute(options.scene)));
   spec.priority = options.priority.value_or(spec.priority);
   spec.max_depth = options.max_depth.value_or(defaults.max_depth);

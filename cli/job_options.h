@@ -30,8 +30,9 @@ struct JobOptions {
   std::optional<std::string> name;
   std::optional<int> priority;
   std::optional<std::string> allocation;
+  std::optional<std::string> error, rmse, time;
   /// Options of later versions, as far as they were given.
-  std::optional<std::string> error, rmse, time, kernel, integrator;
+  std::optional<std::string> kernel, integrator;
 };
 
 /// Adds SCENE and all job options to `command`; they are written to `options` when it is parsed.
@@ -87,6 +88,9 @@ absl::StatusOr<Resolution> ParseResolution(const std::string& text);  ///< "1280
 absl::StatusOr<PixelRect> ParseCrop(const std::string& text);         ///< "x0,y0,x1,y1"
 /// "gaussian" has pbrt-v4's radius; "gaussian:2" sets both radii, "gaussian:2,1" each.
 absl::StatusOr<FilterSpec> ParseFilter(const std::string& text);
+absl::StatusOr<double> ParseRelativeError(const std::string& text);    ///< "0.02", "2%"
+absl::StatusOr<double> ParseRmse(const std::string& text);             ///< "0.001"
+absl::StatusOr<double> ParseTime(const std::string& text);             ///< "90", "90s", "15m", "2h"
 absl::StatusOr<ExtraChannels> ParseChannels(const std::string& text);  ///< "alpha,depth"
 
 }  // namespace strata

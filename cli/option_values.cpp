@@ -1,5 +1,6 @@
 #include <absl/strings/numbers.h>
 #include <absl/strings/str_split.h>
+#include <absl/strings/strip.h>
 
 #include <cmath>
 
@@ -50,6 +51,41 @@ absl::StatusOr<FilterSpec> ParseFilter(const std::string& text) {
     return Wanted("filter", text, "NAME or NAME:RADIUS in pixels, such as gaussian:1.5");
   }
   return filter;
+}
+
+absl::StatusOr<double> ParseRelativeError(const std::string& text) {
+  absl::string_view number = text;
+  const double unit = absl::ConsumeSuffix(&number, "%") ? 0.01 : 1;
+  double value;
+  if (!absl::SimpleAtod(number, &value) || !(value > 0) || !std::isfinite(value)) {
+    return Wanted("error", text, "a relative error above 0, such as 0.02 or 2%");
+  }
+  return value * unit;
+}
+
+absl::StatusOr<double> ParseRmse(const std::string& text) {
+  double value;
+  if (!absl::SimpleAtod(text, &value) || !(value > 0) || !std::isfinite(value)) {
+    return Wanted("rmse", text, "an error above 0 in units of the picture, such as 0.001");
+  }
+  return value;
+}
+
+absl::StatusOr<double> ParseTime(const std::string& text) {
+  absl::string_view number = text;
+  double unit = 1;
+  if (absl::ConsumeSuffix(&number, "m")) {
+    unit = 60;
+  } else if (absl::ConsumeSuffix(&number, "h")) {
+    unit = 3600;
+  } else {
+    absl::ConsumeSuffix(&number, "s");
+  }
+  double value;
+  if (!absl::SimpleAtod(number, &value) || !(value > 0) || !std::isfinite(value)) {
+    return Wanted("time", text, "a time above 0, such as 90s, 15m or 2h");
+  }
+  return value * unit;
 }
 
 absl::StatusOr<ExtraChannels> ParseChannels(const std::string& text) {

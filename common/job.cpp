@@ -19,6 +19,17 @@ constexpr std::array<std::pair<SamplerKind, std::string_view>, 2> kSamplerNames 
     {SamplerKind::kSobol, "sobol"},
     {SamplerKind::kIndependent, "independent"},
 }};
+constexpr std::array<std::pair<AllocationKind, std::string_view>, 3> kAllocationNames = {{
+    {AllocationKind::kUniform, "uniform"},
+    {AllocationKind::kRing, "ring"},
+    {AllocationKind::kGreedy, "greedy"},
+}};
+constexpr std::array<std::pair<TargetKind, std::string_view>, 4> kTargetNames = {{
+    {TargetKind::kSamples, "samples"},
+    {TargetKind::kRelativeError, "error"},
+    {TargetKind::kRmse, "rmse"},
+    {TargetKind::kTime, "time"},
+}};
 constexpr std::array<std::pair<FilterKind, std::string_view>, 4> kFilterNames = {{
     {FilterKind::kBox, "box"},
     {FilterKind::kTriangle, "triangle"},
@@ -80,6 +91,24 @@ absl::Status ValidateCrop(const JobSpec& spec) {
   return absl::OkStatus();
 }
 
+absl::Status ValidateTarget(const JobSpec& spec) {
+  if (NameOf(kAllocationNames, spec.allocation) == "unknown") {
+    return Bad("allocation", "is not known");
+  }
+  if (NameOf(kTargetNames, spec.target) == "unknown") return Bad("target", "is not known");
+  if (spec.target == TargetKind::kSamples) return absl::OkStatus();
+  if (spec.allocation == AllocationKind::kGreedy) {
+    return Bad("allocation", "greedy is biased and has no target; choose ring or uniform");
+  }
+  constexpr int kLeastEdge = 8;  // What is around a pixel decides, so there must be something.
+  if (spec.target != TargetKind::kTime &&
+      (spec.crop.Width() < kLeastEdge || spec.crop.Height() < kLeastEdge)) {
+    return Bad("crop", fmt::format("an error target needs at least {0}x{0} pixels", kLeastEdge));
+  }
+  constexpr double kLargestTarget = 1e30;
+  return CheckPositive("target_value", spec.target_value, kLargestTarget);
+}
+
 }  // namespace
 
 absl::Status ValidateJobSpec(const JobSpec& spec) {
@@ -101,6 +130,7 @@ absl::Status ValidateJobSpec(const JobSpec& spec) {
     return Bad("spp", fmt::format("{} is not a positive multiple of {}", spec.spp, kReplicates));
   }
   STRATA_RETURN_IF_ERROR(CheckRange("spp", spec.spp, 1, kMaxSpp));
+  STRATA_RETURN_IF_ERROR(ValidateTarget(spec));
   return CheckRange("tile", spec.tile, 8, 1024);
 }
 
@@ -120,10 +150,15 @@ std::vector<std::string> PlainChannelNames(const ExtraChannels& channels) {
 }
 
 std::string_view ToString(SamplerKind kind) { return NameOf(kSamplerNames, kind); }
+std::string_view ToString(AllocationKind kind) { return NameOf(kAllocationNames, kind); }
+std::string_view ToString(TargetKind kind) { return NameOf(kTargetNames, kind); }
 std::string_view ToString(FilterKind kind) { return NameOf(kFilterNames, kind); }
 
 absl::StatusOr<SamplerKind> ParseSamplerKind(std::string_view name) {
   return ParseName(kSamplerNames, "sampler", name);
+}
+absl::StatusOr<AllocationKind> ParseAllocationKind(std::string_view name) {
+  return ParseName(kAllocationNames, "allocation", name);
 }
 absl::StatusOr<FilterKind> ParseFilterKind(std::string_view name) {
   return ParseName(kFilterNames, "filter", name);

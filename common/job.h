@@ -23,11 +23,25 @@ struct PixelRect {
   bool operator==(const PixelRect&) const = default;
 };
 
-/// The most samples per pixel. A plan lists the pieces of 32 samples a replicate is cut into: 4 MiB
-/// of them at this number.
-inline constexpr uint32_t kMaxSpp = 1 << 27;
+/// The most samples per pixel. Adaptive counts reach eight times as much and still fit 32 bits in
+/// each replicate.
+inline constexpr uint32_t kMaxSpp = 1 << 30;
 
 enum class SamplerKind { kSobol, kIndependent };
+/// How samples are spread over pixels (design, section 5).
+enum class AllocationKind {
+  kUniform,
+  kRing,    ///< Where the error is, as a uniform pilot shows it around each pixel. Unbiased.
+  kGreedy,  ///< As each pixel's own pilot shows it: biased, for comparison only.
+};
+/// What ends a job. The samples per pixel end it in any case.
+enum class TargetKind {
+  kSamples,        ///< Nothing else does.
+  kRelativeError,  ///< 95 % half-width over max(luminance, 5 % of the mean), for 99 % of pixels.
+  kRmse,           ///< Root mean square of the standard errors, in units of the picture.
+  kTime,           ///< Seconds since the first unit was leased.
+};
+
 enum class FilterKind { kBox, kTriangle, kGaussian, kMitchell };
 
 /// A reconstruction filter with pbrt-v4's parameters; radii in pixels.
@@ -59,8 +73,13 @@ struct JobSpec {
   int max_depth = 5;          ///< Bounces, as pbrt-v4's maxdepth; 0 to 100000.
   SamplerKind sampler = SamplerKind::kSobol;
   FilterSpec filter;
-  uint32_t spp = 64;  ///< Samples per pixel over all replicates: a multiple of 8 up to kMaxSpp.
-  int tile = 32;      ///< Edge of a tile in pixels, 8 to 1024.
+  /// Samples per pixel over all replicates, on average: a multiple of 8 up to kMaxSpp. With a
+  /// target, the most that are taken.
+  uint32_t spp = 64;
+  AllocationKind allocation = AllocationKind::kUniform;
+  TargetKind target = TargetKind::kSamples;
+  double target_value = 0;  ///< Above 0, but for kSamples.
+  int tile = 32;            ///< Edge of a tile in pixels, 8 to 1024.
   uint64_t seed = 0;
   uint32_t frame = 0;
   ExtraChannels channels;
@@ -77,10 +96,14 @@ PixelLayout LayoutOf(const JobSpec& spec);
 /// The names of all plain channels in layout order, as they appear in the EXR.
 std::vector<std::string> PlainChannelNames(const ExtraChannels& channels);
 
-/// "sobol", "independent"; "box", "triangle", "gaussian", "mitchell".
+/// "sobol", "independent"; "uniform", "ring", "greedy"; "samples", "error", "rmse", "time"; "box",
+/// "triangle", "gaussian", "mitchell".
 std::string_view ToString(SamplerKind kind);
+std::string_view ToString(AllocationKind kind);
+std::string_view ToString(TargetKind kind);
 std::string_view ToString(FilterKind kind);
 absl::StatusOr<SamplerKind> ParseSamplerKind(std::string_view name);
+absl::StatusOr<AllocationKind> ParseAllocationKind(std::string_view name);
 absl::StatusOr<FilterKind> ParseFilterKind(std::string_view name);
 /// pbrt-v4's default radius and parameters of each filter.
 FilterSpec DefaultFilter(FilterKind kind);

@@ -30,18 +30,25 @@ struct JobStatus {
   JobSpec spec;
   JobState state = JobState::kQueued;
   std::string message;   ///< Why it failed or waits; empty otherwise.
-  double fraction = 0;   ///< Share of the planned samples that are merged, 0 to 1.
+  double fraction = 0;   ///< How much of the job is done, 0 to 1: an estimate until it ends.
   uint64_t samples = 0;  ///< Merged samples; duplicates not counted.
   uint64_t rays = 0;
   uint64_t nonfinite = 0;
   double spp_mean = 0;  ///< Over the crop.
-  /// 99th percentile over pixels and channels of ci95 half-width over max(luminance, 5 % of the
-  /// image mean luminance); 0 until every pixel has samples in all replicates.
+  uint32_t rounds = 0;  ///< Rounds that are wholly merged.
+  /// 99th percentile over pixels and channels of the half-width over max(luminance, 5 % of the
+  /// image mean luminance); 0 until every pixel has samples in all replicates. Until the job ends
+  /// the half-widths are those that hold at all times, however often one looks.
   double rel_error = 0;
   double flagged = 0;  ///< Share of pixels with a flag, 0 to 1.
   double mean_rgb[3] = {0, 0, 0};
   double samples_per_second = 0;  ///< Over the last few seconds.
   double eta_s = -1;              ///< Estimated seconds left; negative: unknown.
+  double eta_low_s = -1;          ///< The time left is between these in about 90 % of cases;
+  double eta_high_s = -1;         ///< negative: unknown.
+  double samples_left = -1;       ///< Estimated samples to the target; negative: unknown.
+  bool target_met = false;        ///< Known when the job is done.
+  double target_share = 0;        ///< Of pixels that meet kRelativeError, at the last round's end.
   double submitted_unix_s = 0;
   double wall_s = 0;                   ///< Since submission, until the end.
   double load_s = 0;                   ///< Longest time a worker took to load the scene.

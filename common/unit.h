@@ -58,8 +58,9 @@ struct Partial {
 
 /// Cuts [begin, end) into the pieces that are rendered and merged one after the other, in order:
 /// elementary blocks of the sequence (powers of two aligned to their length) of at most
-/// kMaxPiece samples. Depends on the range alone, so the order of floating-point sums does too.
-inline constexpr uint32_t kMaxPiece = 32;
+/// LongestPiece samples. Depends on the range alone, so the order of floating-point sums does too.
+/// 32 samples, or about 1/256 of a long range, so that pieces stay few.
+uint32_t LongestPiece(SampleRange range);
 std::vector<SampleRange> CutPieces(SampleRange range);
 
 }  // namespace strata

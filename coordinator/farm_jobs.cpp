@@ -8,18 +8,12 @@
 
 #include "coordinator/farm_state.h"
 #include "coordinator/image.h"
-#include "coordinator/round_plan_format.h"
-#include "coordinator/schedule.h"
 
 namespace strata {
 namespace {
 
 double UnixNow() {
   return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
-}
-
-std::filesystem::path FilmPath(const FarmOptions& options, const JobId& job) {
-  return options.state_dir / "films" / (job + ".film");
 }
 
 absl::Status Unknown(const JobId& job) {
@@ -132,19 +126,7 @@ absl::Status Farm::State::Prepare(JobRecord& job) {
     STRATA_ASSIGN_OR_RETURN(job.film->film, Film::Create(FilmPath(options, job.id), geometry));
     job.film->changed.resize(geometry.grid.Count());
   }
-  return StartRound(job, *PlanUniform(job.spec, 0));
-}
-
-absl::Status Farm::State::StartRound(JobRecord& job, RoundPlan plan) {
-  STRATA_RETURN_IF_ERROR(store->SaveRound(job.id, plan.round, EncodeRoundPlan(plan)));
-  job.plan = std::make_shared<const RoundPlan>(std::move(plan));
-  job.planned_samples += job.plan->Samples();
-  job.planned_units += job.plan->Units();
-  job.queue = std::make_unique<UnitQueue>(
-      job.plan, WindowFor(job.plan->grid.Count(), static_cast<int>(workers.size())));
-  MutexLock lock(job.film->mutex);
-  job.film->merge = std::make_unique<OrderedMerge>(*job.film->film, job.plan);
-  return absl::OkStatus();
+  return StartRound(job, PlanFirstRound(job.spec));
 }
 
 absl::StatusOr<JobRecord*> Farm::State::Find(const JobId& job) {
@@ -262,6 +244,7 @@ absl::Status Farm::Delete(const JobId& id) {
   STRATA_RETURN_IF_ERROR(state_->store->DeleteJob(id));
   std::error_code error;  // A film that stays behind is removed at the next start.
   std::filesystem::remove(FilmPath(state_->options, id), error);
+  std::filesystem::remove(KeptFilmPath(state_->options, id), error);
   state_->jobs.erase(id);
   return absl::OkStatus();
 }

@@ -110,6 +110,7 @@ bool Farm::State::MergeResult(const std::string& worker, UnitResult result, JobF
   OrderedMerge::Result added;
   {
     MutexLock lock(film.mutex);
+    if (!film.merge) return false;
     added = film.merge->Add(std::move(result.partial), window);
     if (added.outcome == OrderedMerge::Outcome::kMerged) film.changed[unit.tile] = true;
   }
@@ -153,12 +154,6 @@ bool Farm::State::MergeResult(const std::string& worker, UnitResult result, JobF
   return BeginFinish(job);
 }
 
-bool Farm::State::BeginFinish(JobRecord& job) {
-  const bool complete = job.merged.units == job.planned_units && !job.finishing;
-  job.finishing |= complete;
-  return complete;
-}
-
 void Farm::State::MeasureWorker(JobRecord& job, WorkerRecord& worker, const UnitResult& result,
                                 uint64_t samples, SteadyTime now) {
   worker.samples += samples;
@@ -187,49 +182,6 @@ void Farm::State::LogNonFinite(JobRecord& job, const std::vector<std::string>& r
     if (job.replays_logged++ >= kReplaysLogged) return;
     Log(job, "warning", fmt::format("a sample was not finite; replay it with: {}", replay));
   }
-}
-
-void Farm::State::FinishRound(const JobId& id, SteadyTime now) {
-  std::shared_ptr<JobFilm> film;
-  {
-    MutexLock lock(mutex);
-    const absl::StatusOr<JobRecord*> job = Find(id);
-    if (!job.ok()) return;
-    film = (*job)->film;
-    if (std::optional<RoundPlan> next = PlanUniform((*job)->spec, (*job)->plan->round + 1)) {
-      (*job)->finishing = false;
-      const absl::Status status = StartRound(**job, *std::move(next));
-      if (!status.ok()) EndJob(**job, JobState::kFailed, std::string(status.message()), now);
-      Dispatch(now);
-      return;
-    }
-  }
-  const FilmSummary summary = RefreshSummary(*film);
-  Digest digest;
-  {
-    MutexLock lock(film->mutex);
-    digest = film->film->ResultDigest();
-  }
-  {
-    MutexLock lock(mutex);
-    const absl::StatusOr<JobRecord*> found = Find(id);
-    if (!found.ok()) return;
-    JobRecord& job = **found;
-    job.summary = summary;
-    job.summary_stale = false;
-    job.result = digest;
-    job.finishing = false;
-    job.summary_held = true;
-    if (IsFinal(job.state)) return;  // Cancelled meanwhile.
-    std::string message;
-    if (job.merged.nonfinite > 0) {
-      message = fmt::format("{} samples were not finite and entered as zero; see the log",
-                            job.merged.nonfinite);
-    }
-    EndJob(job, JobState::kDone, message, now);
-    Dispatch(now);
-  }
-  Publish(id);
 }
 
 }  // namespace strata

@@ -2,6 +2,7 @@
 
 #include <absl/container/flat_hash_set.h>
 
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <optional>
@@ -14,6 +15,7 @@
 #include "coordinator/farm.h"
 #include "coordinator/film_summary.h"
 #include "coordinator/lease_table.h"
+#include "coordinator/next_round.h"
 #include "coordinator/ordered_merge.h"
 #include "coordinator/rate_meter.h"
 #include "coordinator/subscriptions.h"
@@ -29,6 +31,7 @@ namespace strata {
 struct JobFilm {
   mutable Mutex mutex;
   std::unique_ptr<Film> film STRATA_GUARDED_BY(mutex);
+  /// Of the round; nothing once a round was dropped, so that no late result gets in.
   std::unique_ptr<OrderedMerge> merge STRATA_GUARDED_BY(mutex);
   std::vector<bool> changed STRATA_GUARDED_BY(mutex);  ///< Tiles since the last summary.
 
@@ -40,6 +43,10 @@ struct JobFilm {
 /// Estimates the tiles that changed, and those they touch, and sums the picture up. Locks the film
 /// for one tile at a time.
 FilmSummary RefreshSummary(JobFilm& film);
+
+/// Where the film of a job lies, and its copy from before the round, when that may be dropped.
+std::filesystem::path FilmPath(const FarmOptions& options, const JobId& job);
+std::filesystem::path KeptFilmPath(const FarmOptions& options, const JobId& job);
 
 /// Gives back the memory that RefreshSummary works in; the next call estimates all tiles.
 void ReleaseSummary(JobFilm& film);
@@ -61,9 +68,15 @@ struct JobRecord {
   std::shared_ptr<const RoundPlan> plan;
   std::shared_ptr<JobFilm> film;
   std::unique_ptr<UnitQueue> queue;
-  uint64_t planned_samples = 0, planned_units = 0;
+  uint64_t planned_samples = 0, planned_units = 0;  ///< Of all rounds so far.
   MergedCounts merged;
-  bool finishing = false;  ///< All is merged; the final figures are being made.
+  MergedCounts merged_before;  ///< The round: what is left when it is dropped.
+  /// The round is merged or dropped; the next one or the final figures are being made.
+  bool finishing = false;
+  uint32_t rounds = 0;        ///< Wholly merged.
+  RemainingSamples expected;  ///< All samples of the job, as the last plan estimated them.
+  bool target_met = false;
+  double target_share = 0;
 
   std::optional<WorkerClass> worker_class;  ///< Of the first worker; binding if reproducible.
   std::map<UnitId, UnitTrouble> troubles;
@@ -139,8 +152,6 @@ struct Farm::State {
   absl::Status Prepare(JobRecord& job) STRATA_REQUIRES(mutex);
   /// Lets workers have the job's units again.
   void Requeue(JobRecord& job, SteadyTime now) STRATA_REQUIRES(mutex);
-  /// Saves the round's plan, then makes its units leasable.
-  absl::Status StartRound(JobRecord& job, RoundPlan plan) STRATA_REQUIRES(mutex);
   /// Changes the state, in the store and the log too.
   void SetState(JobRecord& job, JobState state, const std::string& message, SteadyTime now)
       STRATA_REQUIRES(mutex);
@@ -154,6 +165,8 @@ struct Farm::State {
 
   // ---- farm_status.cpp ----
   JobStatus StatusOf(const JobRecord& job) const STRATA_REQUIRES(mutex);
+  double FractionOf(const JobRecord& job) const STRATA_REQUIRES(mutex);
+  void AddTimeLeft(const JobRecord& job, JobStatus& status) const STRATA_REQUIRES(mutex);
   /// Why no worker renders the job; empty when one may.
   std::string WaitReason(const JobRecord& job) const STRATA_REQUIRES(mutex);
   /// Calls the job's subscribers, unless it goes on and they were called just now; a tick will.
@@ -191,10 +204,23 @@ struct Farm::State {
   void MeasureWorker(JobRecord& job, WorkerRecord& worker, const UnitResult& result,
                      uint64_t samples, SteadyTime now) STRATA_REQUIRES(mutex);
   void LogNonFinite(JobRecord& job, const std::vector<std::string>& replays) STRATA_REQUIRES(mutex);
+
+  // ---- farm_rounds.cpp ----
+  /// Saves the round's plan, then makes its units leasable.
+  absl::Status StartRound(JobRecord& job, RoundPlan plan) STRATA_REQUIRES(mutex);
   /// True when the round is complete and nobody was told so yet: FinishRound is to be called.
   bool BeginFinish(JobRecord& job) STRATA_REQUIRES(mutex);
   /// Starts the next round or, when there is none, makes the final figures and ends the job.
   void FinishRound(const JobId& job, SteadyTime now) STRATA_EXCLUDES(mutex);
+  /// Jobs whose deadline has come in the middle of a round that can be dropped; FinishDropped is to
+  /// be called for each.
+  std::vector<JobId> BeginDrops(SteadyTime now) STRATA_REQUIRES(mutex);
+  /// Drops the round whole and ends the job with the rounds before it.
+  void FinishDropped(const JobId& job, SteadyTime now) STRATA_EXCLUDES(mutex);
+  /// Makes the final figures and ends the job well.
+  void Complete(const JobId& job, const std::string& message, SteadyTime now)
+      STRATA_EXCLUDES(mutex);
+  std::optional<SteadyTime> Deadline(const JobRecord& job) const STRATA_REQUIRES(mutex);
 
   // ---- farm_failures.cpp ----
   /// A unit failed on a worker or vanished with it; fails the job when that was once too often.

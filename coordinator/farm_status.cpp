@@ -77,8 +77,7 @@ JobStatus Farm::State::StatusOf(const JobRecord& job) const {
   status.state = job.state;
   status.message = job.message;
   if (status.message.empty() && !IsFinal(job.state)) status.message = WaitReason(job);
-  status.fraction =
-      static_cast<double>(job.merged.samples) / static_cast<double>(job.planned_samples);
+  status.fraction = FractionOf(job);
   status.samples = job.merged.samples;
   status.rays = job.merged.rays;
   status.nonfinite = job.merged.nonfinite;
@@ -96,14 +95,44 @@ JobStatus Farm::State::StatusOf(const JobRecord& job) const {
   }
   status.workers = leases.Workers(job.id);
   status.samples_per_second = job.rate.PerSecond();
-  if (IsFinal(job.state)) {
-    status.eta_s = 0;
-  } else if (status.samples_per_second > 0) {
-    status.eta_s =
-        static_cast<double>(job.planned_samples - job.merged.samples) / status.samples_per_second;
-  }
+  status.rounds = job.rounds;
+  status.target_met = job.target_met;
+  status.target_share = job.target_share;
+  AddTimeLeft(job, status);
   status.result = job.result;
   return status;
+}
+
+double Farm::State::FractionOf(const JobRecord& job) const {
+  if (job.state == JobState::kDone) return 1;
+  const double merged = static_cast<double>(job.merged.samples);
+  const double of_samples =
+      merged / std::max(job.expected.expected, static_cast<double>(job.planned_samples));
+  const std::optional<SteadyTime> deadline = Deadline(job);
+  if (!deadline) return of_samples;
+  const double of_time = SecondsBetween(*job.first_lease, latest) / job.spec.target_value;
+  return std::clamp(std::max(of_samples, of_time), 0.0, 1.0);
+}
+
+void Farm::State::AddTimeLeft(const JobRecord& job, JobStatus& status) const {
+  if (IsFinal(job.state)) {
+    status.eta_s = status.eta_low_s = status.eta_high_s = status.samples_left = 0;
+    return;
+  }
+  const double expected = std::max(job.expected.expected, static_cast<double>(job.planned_samples));
+  const RemainingSamples remaining{expected - static_cast<double>(job.merged.samples),
+                                   job.expected.deviation};
+  if (job.spec.target != TargetKind::kTime) status.samples_left = remaining.expected;
+  if (const std::optional<SteadyTime> deadline = Deadline(job)) {
+    status.eta_s = status.eta_low_s = status.eta_high_s =
+        std::max(SecondsBetween(latest, *deadline), 0.0);
+    return;
+  }
+  const TimeToTarget time = PredictTimeToTarget(remaining, job.rate.Spans());
+  status.eta_s = time.seconds;
+  if (time.seconds < 0) return;
+  status.eta_low_s = time.low_seconds;
+  status.eta_high_s = time.high_seconds;
 }
 
 std::string Farm::State::WaitReason(const JobRecord& job) const {

@@ -107,11 +107,12 @@ void Farm::State::ExpireSilent(SteadyTime now) {
 void Farm::Tick(SteadyTime now) {
   std::vector<std::pair<JobId, std::shared_ptr<JobFilm>>> to_summarize;
   std::vector<std::shared_ptr<JobFilm>> to_release;
-  std::vector<JobId> to_publish;
+  std::vector<JobId> to_publish, to_drop;
   {
     MutexLock lock(state_->mutex);
     state_->Seen(now);
     state_->ExpireSilent(now);
+    to_drop = state_->BeginDrops(now);
     state_->Dispatch(now);
     for (auto& [id, job] : state_->jobs) {
       if (!IsFinal(job->state)) {
@@ -130,6 +131,7 @@ void Farm::Tick(SteadyTime now) {
       if (state_->subscriptions.Any(id)) to_publish.push_back(id);
     }
   }
+  for (const JobId& job : to_drop) state_->FinishDropped(job, now);
   for (const auto& [id, film] : to_summarize) {
     const FilmSummary summary = RefreshSummary(*film);
     MutexLock lock(state_->mutex);

@@ -13,6 +13,8 @@ OrderedMerge::OrderedMerge(Film& film, std::shared_ptr<const RoundPlan> plan)
 }
 
 OrderedMerge::Result OrderedMerge::Add(Partial partial, uint32_t window) {
+  // Of a round before this one, which is wholly merged.
+  if (partial.unit.round != plan_->round) return {Outcome::kKnown, 0, {}};
   Tile& tile = tiles_[partial.unit.tile];
   const uint32_t piece = partial.unit.piece;
   if (piece < tile.front || tile.waiting.contains(piece)) {

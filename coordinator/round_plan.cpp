@@ -131,9 +131,4 @@ RoundPlan PlanCounts(uint32_t round, const TileGrid& grid, const std::vector<uin
   return plan;
 }
 
-std::optional<RoundPlan> PlanUniform(const JobSpec& spec, uint32_t finished) {
-  if (finished > 0) return std::nullopt;
-  return RoundPlan{0, {spec.crop, spec.tile}, {CutClass({0, spec.spp / kReplicates})}, {}};
-}
-
 }  // namespace strata

@@ -51,8 +51,4 @@ absl::Status CheckRoundPlan(const RoundPlan& plan);
 RoundPlan PlanCounts(uint32_t round, const TileGrid& grid, const std::vector<uint32_t>& begins,
                      const std::vector<uint32_t>& ends);
 
-/// The round after `finished` rounds under uniform allocation: the whole budget in round 0, nothing
-/// afterwards.
-std::optional<RoundPlan> PlanUniform(const JobSpec& spec, uint32_t finished);
-
 }  // namespace strata

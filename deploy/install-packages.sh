@@ -14,6 +14,7 @@ build=(
   openimageio-tools  # libopenimageio-dev's CMake files name its programs and fail without them
   libgrpc++-dev libprotobuf-dev protobuf-compiler protobuf-compiler-grpc
   libabsl-dev libspdlog-dev libcli11-dev nlohmann-json3-dev libssl-dev
+  libboost-dev  # Boost.Math, headers only: p-values of strata diff, and of the tests
 )
 # To run programs that were compiled elsewhere, on the same release of Debian.
 runtime=(
@@ -22,7 +23,7 @@ runtime=(
   libabsl20220623 libspdlog1.10 libssl3
 )
 # To test, and to compile often.
-test=(libgtest-dev libgmock-dev libbenchmark-dev libboost-dev ccache)
+test=(libgtest-dev libgmock-dev libbenchmark-dev ccache)
 # For what CI checks on top: formatting, locking, containers.
 ci=(clang clang-format docker.io docker-compose debootstrap)
 

@@ -9,6 +9,17 @@ constexpr std::pair<SamplerKind, v1::SamplerKind> kSamplers[] = {
     {SamplerKind::kSobol, v1::SAMPLER_KIND_SOBOL},
     {SamplerKind::kIndependent, v1::SAMPLER_KIND_INDEPENDENT},
 };
+constexpr std::pair<AllocationKind, v1::AllocationKind> kAllocations[] = {
+    {AllocationKind::kUniform, v1::ALLOCATION_KIND_UNIFORM},
+    {AllocationKind::kRing, v1::ALLOCATION_KIND_RING},
+    {AllocationKind::kGreedy, v1::ALLOCATION_KIND_GREEDY},
+};
+constexpr std::pair<TargetKind, v1::TargetKind> kTargets[] = {
+    {TargetKind::kSamples, v1::TARGET_KIND_SAMPLES},
+    {TargetKind::kRelativeError, v1::TARGET_KIND_RELATIVE_ERROR},
+    {TargetKind::kRmse, v1::TARGET_KIND_RMSE},
+    {TargetKind::kTime, v1::TARGET_KIND_TIME},
+};
 constexpr std::pair<FilterKind, v1::FilterKind> kFilters[] = {
     {FilterKind::kBox, v1::FILTER_KIND_BOX},
     {FilterKind::kTriangle, v1::FILTER_KIND_TRIANGLE},
@@ -16,11 +27,13 @@ constexpr std::pair<FilterKind, v1::FilterKind> kFilters[] = {
     {FilterKind::kMitchell, v1::FILTER_KIND_MITCHELL},
 };
 
-template <class Table, class Plain, class Wire>
-void EnumToWire(const Table& table, Plain value, Wire* wire) {
+/// The first value, which stands for none, where the table does not have it.
+template <class Plain, class Wire, size_t kSize>
+Wire EnumToWire(const std::pair<Plain, Wire> (&table)[kSize], Plain value) {
   for (const auto& [plain, message] : table) {
-    if (plain == value) *wire = message;
+    if (plain == value) return message;
   }
+  return Wire{};
 }
 
 template <class Table, class Wire, class Plain>
@@ -77,19 +90,18 @@ void ToWire(const JobSpec& spec, v1::JobSpec* message, bool with_files) {
   message->set_height(spec.height);
   ToWire(spec.crop, message->mutable_crop());
   message->set_max_depth(spec.max_depth);
-  v1::SamplerKind sampler = v1::SAMPLER_KIND_UNSPECIFIED;
-  EnumToWire(kSamplers, spec.sampler, &sampler);
-  message->set_sampler(sampler);
+  message->set_sampler(EnumToWire(kSamplers, spec.sampler));
   v1::FilterSpec* filter = message->mutable_filter();
-  v1::FilterKind kind = v1::FILTER_KIND_UNSPECIFIED;
-  EnumToWire(kFilters, spec.filter.kind, &kind);
-  filter->set_kind(kind);
+  filter->set_kind(EnumToWire(kFilters, spec.filter.kind));
   filter->set_radius_x(spec.filter.radius_x);
   filter->set_radius_y(spec.filter.radius_y);
   filter->set_sigma(spec.filter.sigma);
   filter->set_b(spec.filter.b);
   filter->set_c(spec.filter.c);
   message->set_spp(spec.spp);
+  message->set_allocation(EnumToWire(kAllocations, spec.allocation));
+  message->set_target(EnumToWire(kTargets, spec.target));
+  message->set_target_value(spec.target_value);
   message->set_tile(spec.tile);
   message->set_seed(spec.seed);
   message->set_frame(spec.frame);
@@ -121,6 +133,10 @@ absl::StatusOr<JobSpec> FromWire(const v1::JobSpec& message) {
   spec.filter.b = filter.b();
   spec.filter.c = filter.c();
   spec.spp = message.spp();
+  STRATA_RETURN_IF_ERROR(
+      EnumFromWire(kAllocations, message.allocation(), "spec.allocation", &spec.allocation));
+  STRATA_RETURN_IF_ERROR(EnumFromWire(kTargets, message.target(), "spec.target", &spec.target));
+  spec.target_value = message.target_value();
   spec.tile = message.tile();
   spec.seed = message.seed();
   spec.frame = message.frame();

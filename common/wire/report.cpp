@@ -33,6 +33,12 @@ void ToWire(const JobStatus& status, v1::JobStatus* message, bool with_files) {
   for (const double mean : status.mean_rgb) message->add_mean_rgb(mean);
   message->set_samples_per_second(status.samples_per_second);
   message->set_eta_s(status.eta_s);
+  message->set_eta_low_s(status.eta_low_s);
+  message->set_eta_high_s(status.eta_high_s);
+  message->set_samples_left(status.samples_left);
+  message->set_target_met(status.target_met);
+  message->set_target_share(status.target_share);
+  message->set_rounds(status.rounds);
   message->set_submitted_unix_s(status.submitted_unix_s);
   message->set_wall_s(status.wall_s);
   message->set_load_s(status.load_s);
@@ -68,6 +74,12 @@ absl::StatusOr<JobStatus> FromWire(const v1::JobStatus& message) {
   std::copy(message.mean_rgb().begin(), message.mean_rgb().end(), status.mean_rgb);
   status.samples_per_second = message.samples_per_second();
   status.eta_s = message.eta_s();
+  status.eta_low_s = message.eta_low_s();
+  status.eta_high_s = message.eta_high_s();
+  status.samples_left = message.samples_left();
+  status.target_met = message.target_met();
+  status.target_share = message.target_share();
+  status.rounds = message.rounds();
   status.submitted_unix_s = message.submitted_unix_s();
   status.wall_s = message.wall_s();
   status.load_s = message.load_s();

@@ -12,6 +12,7 @@
 
 #include "coordinator/estimate.h"
 #include "coordinator/film.h"
+#include "coordinator/next_round.h"
 #include "coordinator/round_plan.h"
 #include "worker/integrator/render.h"
 #include "worker/scene/file_source.h"
@@ -35,7 +36,7 @@ std::vector<PixelEstimate> RenderAndEstimate(const Renderer& renderer, RenderPoo
   const TileGrid grid{spec.crop, spec.tile};
   auto film = Film::Create(path, {FilmLayer::kPath, grid, LayoutOf(spec)});
   EXPECT_TRUE(film.ok()) << film.status();
-  const RoundPlan plan = *PlanUniform(spec, 0);
+  const RoundPlan plan = PlanFirstRound(spec);
   for (uint32_t tile = 0; tile < grid.Count(); ++tile) {
     for (uint32_t piece = 0; piece < plan.Pieces(tile); ++piece) {
       auto partial = renderer.Render(*plan.Unit({0, tile, piece}), pool);

@@ -78,12 +78,20 @@ TEST(CutPiecesTest, GivesElementaryBlocksThatCoverTheRange) {
         const uint32_t length = piece.Count();
         EXPECT_EQ(length & (length - 1), 0u) << "a power of two";
         EXPECT_EQ(piece.begin % length, 0u) << "aligned to its length";
-        EXPECT_LE(length, kMaxPiece);
+        EXPECT_LE(length, LongestPiece({begin, end}));
         next = piece.end;
       }
       EXPECT_EQ(next, end);
     }
   }
+}
+
+TEST(CutPiecesTest, GivesFewPiecesForLongRanges) {
+  EXPECT_EQ(CutPieces({0, 1 << 13}).size(), 256u);
+  const std::vector<SampleRange> pieces = CutPieces({1000, 1u << 27});
+  EXPECT_LT(pieces.size(), 600u);
+  EXPECT_EQ(pieces.front().begin, 1000u);
+  EXPECT_EQ(pieces.back().end, 1u << 27);
 }
 
 }  // namespace

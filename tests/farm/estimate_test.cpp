@@ -1,6 +1,7 @@
 // Estimates, intervals and flags against their definitions, computed the long way.
 
 #include "coordinator/estimate.h"
+#include "coordinator/next_round.h"
 
 #include <gtest/gtest.h>
 
@@ -33,7 +34,7 @@ class EstimateTest : public ::testing::Test {
     spec_.spp = 64;
   }
   void Render() {
-    plan_ = std::make_shared<const RoundPlan>(*PlanUniform(spec_, 0));
+    plan_ = std::make_shared<const RoundPlan>(PlanFirstRound(spec_));
     film_ =
         *Film::Create(directory_.path() / "film", {FilmLayer::kPath, plan_->grid, LayoutOf(spec_)});
     OrderedMerge merge(*film_, plan_);
@@ -193,7 +194,7 @@ double Coverage(bool pooled) {
   spec.crop = {0, 0, kEdge, kEdge};
   spec.tile = kEdge;
   spec.spp = kReplicates * kSamples;
-  const RoundPlan plan = *PlanUniform(spec, 0);
+  const RoundPlan plan = PlanFirstRound(spec);
   Partial partial = FakeRender(spec, *plan.Unit({0, 0, 0}));
   std::mt19937_64 random(20240611);
   std::normal_distribution<double> mean_of_replicate(1, 0.5 / std::sqrt(kSamples));

@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "coordinator/film.h"
+#include "coordinator/next_round.h"
 #include "coordinator/ordered_merge.h"
 #include "tests/farm/farm_fixture.h"
 
@@ -29,7 +30,7 @@ class FilmTest : public ::testing::Test {
     return *std::move(film);
   }
   static void MergeAll(Film& film, const JobSpec& spec) {
-    const auto plan = std::make_shared<const RoundPlan>(*PlanUniform(spec, 0));
+    const auto plan = std::make_shared<const RoundPlan>(PlanFirstRound(spec));
     OrderedMerge merge(film, plan);
     for (uint32_t t = 0; t < plan->grid.Count(); ++t) {
       merge.Add(FakeRender(spec, *plan->Unit({0, t, 0})), 1);
@@ -65,7 +66,7 @@ TEST_F(FilmTest, IsReadAsItWasWritten) {
 TEST_F(FilmTest, HoldsWhatTheWorkerSentForAPixel) {
   const std::unique_ptr<Film> film = Create();
   MergeAll(*film, spec_);
-  const RoundPlan plan = *PlanUniform(spec_, 0);
+  const RoundPlan plan = PlanFirstRound(spec_);
   const uint32_t tile = plan.grid.IndexOf(20, 30);
   const Partial partial = FakeRender(spec_, *plan.Unit({0, tile, 0}));
   const PixelRect rect = plan.grid.Rect(tile);

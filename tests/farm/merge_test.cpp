@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "coordinator/next_round.h"
 #include "coordinator/ordered_merge.h"
 #include "coordinator/partial_check.h"
 #include "coordinator/pixel_merge.h"
@@ -146,7 +147,7 @@ class OrderedMergeTest : public ::testing::Test {
     spec_.crop = {0, 0, 24, 24};
     spec_.tile = 16;
     spec_.spp = 8 * 32 * 5;
-    plan_ = std::make_shared<const RoundPlan>(*PlanUniform(spec_, 0));
+    plan_ = std::make_shared<const RoundPlan>(PlanFirstRound(spec_));
   }
   std::unique_ptr<Film> NewFilm() {
     const FilmGeometry geometry{FilmLayer::kPath, plan_->grid, LayoutOf(spec_)};

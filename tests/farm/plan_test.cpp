@@ -5,6 +5,7 @@
 #include <map>
 #include <vector>
 
+#include "coordinator/next_round.h"
 #include "coordinator/round_plan.h"
 #include "coordinator/round_plan_format.h"
 #include "coordinator/unit_queue.h"
@@ -59,7 +60,7 @@ std::map<std::pair<int, int>, std::vector<std::pair<uint32_t, uint32_t>>> Pieces
 class AnyPlan : public ::testing::TestWithParam<bool> {
  protected:
   static RoundPlan Plan(int tile) {
-    return GetParam() ? UnevenPlan(tile) : *PlanUniform(CropSpec(tile), 0);
+    return GetParam() ? UnevenPlan(tile) : PlanFirstRound(CropSpec(tile));
   }
 };
 INSTANTIATE_TEST_SUITE_P(UniformAndUneven, AnyPlan, ::testing::Bool());
@@ -76,7 +77,7 @@ TEST_P(AnyPlan, CoversEverySampleOnceInOrder) {
       if (const auto entry = pieces.find({x, y}); entry != pieces.end()) {
         for (const auto& [begin, end] : entry->second) {
           EXPECT_EQ(begin, next);
-          EXPECT_LE(end - begin, kMaxPiece);
+          EXPECT_LE(end - begin, LongestPiece(range));
           next = end;
         }
       }
@@ -112,16 +113,15 @@ TEST_P(AnyPlan, ShowsEveryDamage) {
 }
 
 TEST(RoundPlanTest, HasNoUnitsBeyondItself) {
-  const RoundPlan plan = *PlanUniform(CropSpec(16), 0);
+  const RoundPlan plan = PlanFirstRound(CropSpec(16));
   EXPECT_TRUE(plan.Unit({0, 0, 0}).has_value());
   EXPECT_FALSE(plan.Unit({1, 0, 0}).has_value());
   EXPECT_FALSE(plan.Unit({0, plan.grid.Count(), 0}).has_value());
   EXPECT_FALSE(plan.Unit({0, 0, plan.Pieces(0)}).has_value());
-  EXPECT_FALSE(PlanUniform(CropSpec(16), 1).has_value());
 }
 
 TEST(RoundPlanTest, IsRefusedWhenItsPiecesDoNotFit) {
-  RoundPlan plan = *PlanUniform(CropSpec(16), 0);
+  RoundPlan plan = PlanFirstRound(CropSpec(16));
   plan.classes[0].pieces.pop_back();
   EXPECT_FALSE(CheckRoundPlan(plan).ok());
   plan = UnevenPlan(16);

@@ -80,22 +80,6 @@ TEST(UnitTest, AnotherSeedFrameOrPixelGivesOtherBits) {
   EXPECT_FALSE(SameBits(base, RenderTiled(*MakeRenderer(spec), spec, 16, 2)));
 }
 
-TEST(UnitTest, PiecesCoverTheRangeInElementaryBlocks) {
-  for (const SampleRange range :
-       {SampleRange{0, 1}, {0, 96}, {3, 77}, {5, 5}, {32, 33}, {31, 65}}) {
-    uint32_t at = range.begin;
-    for (const SampleRange& piece : CutPieces(range)) {
-      EXPECT_EQ(piece.begin, at);
-      EXPECT_GT(piece.end, piece.begin);
-      EXPECT_LE(piece.Count(), kMaxPiece);
-      EXPECT_EQ(piece.Count() & (piece.Count() - 1), 0u);
-      EXPECT_EQ(piece.begin % piece.Count(), 0u) << piece.begin << " " << piece.end;
-      at = piece.end;
-    }
-    EXPECT_EQ(at, range.end);
-  }
-}
-
 TEST(UnitTest, PiecesMergeToTheMomentsOfTheWhole) {
   const JobSpec spec = TestSpec(8, 96 * kReplicates, 6);
   const auto renderer = MakeRenderer(spec);

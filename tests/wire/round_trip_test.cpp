@@ -59,6 +59,18 @@ TEST(RoundTrip, EveryEnumValue) {
       EXPECT_EQ(*wire::FromWire(message), spec);
     }
   }
+  for (const AllocationKind allocation :
+       {AllocationKind::kUniform, AllocationKind::kRing, AllocationKind::kGreedy}) {
+    for (const TargetKind target :
+         {TargetKind::kSamples, TargetKind::kRelativeError, TargetKind::kRmse, TargetKind::kTime}) {
+      JobSpec spec = SampleSpec();
+      spec.allocation = allocation;
+      spec.target = target;
+      v1::JobSpec message;
+      wire::ToWire(spec, &message);
+      EXPECT_EQ(*wire::FromWire(message), spec);
+    }
+  }
   for (const JobState state : {JobState::kQueued, JobState::kRunning, JobState::kPaused,
                                JobState::kDone, JobState::kFailed, JobState::kCancelled}) {
     JobStatus status = SampleStatus();

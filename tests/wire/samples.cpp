@@ -16,6 +16,9 @@ JobSpec SampleSpec() {
   spec.sampler = SamplerKind::kIndependent;
   spec.filter = {FilterKind::kMitchell, 2.5, 1.5, 0.75, 0.25, 0.4};
   spec.spp = 128;
+  spec.allocation = AllocationKind::kRing;
+  spec.target = TargetKind::kRelativeError;
+  spec.target_value = 0.02;
   spec.tile = 64;
   spec.seed = 0xfedcba9876543210;
   spec.frame = 7;
@@ -41,6 +44,12 @@ JobStatus SampleStatus() {
   status.mean_rgb[2] = 0.3;
   status.samples_per_second = 1e6;
   status.eta_s = 42;
+  status.eta_low_s = 40;
+  status.eta_high_s = 50;
+  status.samples_left = 1e7;
+  status.target_met = true;
+  status.target_share = 0.99;
+  status.rounds = 3;
   status.submitted_unix_s = 1.7e9;
   status.wall_s = 10;
   status.load_s = 1;
