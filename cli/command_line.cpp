@@ -52,15 +52,6 @@ CLI::App* CommandLine::Add(const std::string& name, const std::string& summary,
   return command;
 }
 
-void CommandLine::AddMissing(const std::string& name, const std::string& sentence) {
-  CLI::App* command = app_.add_subcommand(name, "")->group("");
-  command->prefix_command();
-  command->set_help_flag();
-  commands_.push_back({command, [sentence](Console&) -> absl::StatusOr<ExitStatus> {
-                         return absl::InvalidArgumentError(sentence);
-                       }});
-}
-
 const CommandLine::Command* CommandLine::Chosen() const {
   for (const Command& command : commands_) {
     if (command.app->parsed()) return &command;
@@ -80,7 +71,6 @@ absl::Status CommandLine::CheckLeftovers() const {
                                                    "; see 'strata --help'"));
   }
   const std::string name = absl::StrCat("strata ", chosen->app->get_name());
-  if (chosen->app->get_prefix_command()) return absl::OkStatus();
   const std::vector<std::string> rest = chosen->app->remaining();
   for (const std::string& word : rest) {
     if (word.size() < 2 || word.front() != '-') continue;

@@ -23,9 +23,6 @@ class CommandLine {
   /// --help.
   CLI::App* Add(const std::string& name, const std::string& summary,
                 const std::vector<std::string>& examples, Run run);
-  /// A name that answers `sentence` whatever its arguments and is not listed: a command of a later
-  /// version.
-  void AddMissing(const std::string& name, const std::string& sentence);
 
   ExitStatus Main(int argc, const char* const* argv, Console& console);
 

@@ -10,9 +10,9 @@ void AddAllCommands(CommandLine& commands) {
   AddListCommands(commands);
   AddControlCommands(commands);
   AddCheckCommand(commands);
+  AddDiffCommand(commands);
   AddReplayCommand(commands);
   AddHealthCommand(commands);
-  commands.AddMissing("diff", "strata diff is not there yet in this version");
 }
 
 }  // namespace strata

@@ -15,6 +15,7 @@ void AddListCommands(CommandLine& commands);  ///< jobs, workers, logs.
 void AddFetchCommand(CommandLine& commands);
 void AddControlCommands(CommandLine& commands);  ///< cancel, pause, resume, retry, delete, set.
 void AddCheckCommand(CommandLine& commands);
+void AddDiffCommand(CommandLine& commands);
 void AddReplayCommand(CommandLine& commands);
 void AddHealthCommand(CommandLine& commands);
 
