@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tests/statistics/chi_square.h"
+#include "tests/statistics/sphere_quadrature.h"
 #include "worker/math/vec.h"
 
 // Does a routine that draws directions have the density it claims? Cells of the sphere are cut so
@@ -36,75 +37,14 @@ inline Polar ToPolar(Vec3f w) {
   const double t = r2 < 0.5 ? r2 / (1 + z) : 1 - std::fabs(static_cast<double>(w.z));
   return {std::clamp(t, 0.0, 1.0), std::atan2(static_cast<double>(w.y), static_cast<double>(w.x))};
 }
-/// A part of one hemisphere.
-struct Cell {
-  bool upper;
-  double t0, t1, phi0, phi1;
-};
-
-inline constexpr std::array<double, 3> kGaussNodes = {0.2386191860831969, 0.6612093864662645,
-                                                      0.9324695142031521};
-inline constexpr std::array<double, 3> kGaussWeights = {0.4679139345726910, 0.3607615730481386,
-                                                        0.1713244923791704};
-
-/// The density's integral over the cell by six by six Gauss-Legendre points.
-template <typename Pdf>
-double Quadrature(const Pdf& pdf, const Cell& c) {
-  const double tm = 0.5 * (c.t0 + c.t1), th = 0.5 * (c.t1 - c.t0);
-  const double pm = 0.5 * (c.phi0 + c.phi1), ph = 0.5 * (c.phi1 - c.phi0);
-  struct Turn {
-    double cos, sin;
-  };
-  std::array<Turn, 6> turns;
-  for (int j = 0; j < 6; ++j) {
-    const double phi = pm + (j % 2 ? ph : -ph) * kGaussNodes[j / 2];
-    turns[j] = {std::cos(phi), std::sin(phi)};
-  }
-  double sum = 0;
-  for (int i = 0; i < 6; ++i) {
-    const double t = tm + (i % 2 ? th : -th) * kGaussNodes[i / 2];
-    const double s = std::sqrt(t * (2 - t));
-    const auto z = static_cast<float>(c.upper ? 1 - t : t - 1);
-    double row = 0;
-    for (int j = 0; j < 6; ++j) {
-      const Vec3f w = {static_cast<float>(s * turns[j].cos), static_cast<float>(s * turns[j].sin),
-                       z};
-      row += kGaussWeights[j / 2] * static_cast<double>(pdf(w));
-    }
-    sum += kGaussWeights[i / 2] * row;
-  }
-  return sum * th * ph;
-}
-
-/// Halves the cell along the axis where that changes the integral more, until neither changes it by
-/// `tolerance`. Lobes at a pole and jumps along a circle need finer steps along one axis alone.
-template <typename Pdf>
-double Integrate(const Pdf& pdf, const Cell& c, double whole, double tolerance, int depth) {
-  const double tm = 0.5 * (c.t0 + c.t1), pm = 0.5 * (c.phi0 + c.phi1);
-  const std::array<Cell, 2> by_t = {
-      {{c.upper, c.t0, tm, c.phi0, c.phi1}, {c.upper, tm, c.t1, c.phi0, c.phi1}}};
-  const std::array<Cell, 2> by_phi = {
-      {{c.upper, c.t0, c.t1, c.phi0, pm}, {c.upper, c.t0, c.t1, pm, c.phi1}}};
-  const std::array<double, 2> t = {Quadrature(pdf, by_t[0]), Quadrature(pdf, by_t[1])};
-  const std::array<double, 2> phi = {Quadrature(pdf, by_phi[0]), Quadrature(pdf, by_phi[1])};
-  const double t_change = std::fabs(t[0] + t[1] - whole);
-  const double phi_change = std::fabs(phi[0] + phi[1] - whole);
-  const bool choose_t = t_change > phi_change;
-  const std::array<Cell, 2>& halves = choose_t ? by_t : by_phi;
-  const std::array<double, 2>& values = choose_t ? t : phi;
-  if (depth == 0 || std::max(t_change, phi_change) < tolerance) return values[0] + values[1];
-  const double share = std::numbers::sqrt2 / 2 * tolerance;
-  return Integrate(pdf, halves[0], values[0], share, depth - 1) +
-         Integrate(pdf, halves[1], values[1], share, depth - 1);
-}
 
 /// The probability of the cell, to a hundredth of the standard deviation of its share of `samples`.
 /// What has less than one hit is as if it had one.
 template <typename Pdf>
-double Probability(const Pdf& pdf, const Cell& c, int samples) {
-  const double whole = Quadrature(pdf, c);
+double Probability(const Pdf& pdf, const SphereCell& c, int samples) {
+  const double whole = GaussIntegral(pdf, c);
   const double share = std::clamp(whole, 1.0 / samples, 1.0);
-  return Integrate(pdf, c, whole, 0.01 * std::sqrt(share / samples), 24);
+  return AdaptiveIntegral(pdf, c, whole, 0.01 * std::sqrt(share / samples));
 }
 
 /// Splits intervals until none is more than three times as wide as a neighbour, so that quadrature
@@ -181,8 +121,8 @@ DirectionTestResult TestDirections(const Sample& sample, const Pdf& pdf, int sam
       hemisphere.first.push_back(static_cast<int>(expected.size()));
       const std::vector<double>& edges = hemisphere.sectors.back();
       for (size_t s = 0; s + 1 < edges.size(); ++s) {
-        const Cell cell = {side == 1, hemisphere.rings[ring], hemisphere.rings[ring + 1], edges[s],
-                           edges[s + 1]};
+        const SphereCell cell = {side == 1, hemisphere.rings[ring], hemisphere.rings[ring + 1],
+                                 edges[s], edges[s + 1]};
         const double mass = Probability(pdf, cell, samples);
         integral += mass;
         // Below this the quadrature cannot tell nothing from little.

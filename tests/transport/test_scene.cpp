@@ -127,4 +127,13 @@ bool Agree(const Estimate& a, const Estimate& b) {
   return Agrees({a.mean, std::hypot(a.standard_error, b.standard_error)}, b.mean);
 }
 
+void ExpectMean(const Partial& partial, double truth, double detectable) {
+  const Estimate estimate = FrameMean(partial, 1);
+  EXPECT_TRUE(Agrees(estimate, truth))
+      << estimate.mean << " +- " << estimate.standard_error << ", expected " << truth;
+  EXPECT_FALSE(Agrees(estimate, truth * (1 + detectable)))
+      << "the control of " << 100 * detectable << " % was not found: standard error "
+      << estimate.standard_error;
+}
+
 }  // namespace strata

@@ -67,4 +67,8 @@ inline constexpr double kCritical = 4.417;
 bool Agrees(const Estimate& estimate, double truth);
 bool Agree(const Estimate& a, const Estimate& b);
 
+/// Expects the frame's mean of green to agree with the truth, and as a control not to agree with
+/// one that is larger by the part `detectable`.
+void ExpectMean(const Partial& partial, double truth, double detectable = 0.01);
+
 }  // namespace strata
