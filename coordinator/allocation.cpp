@@ -1,24 +1,17 @@
 #include "coordinator/allocation.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <limits>
 #include <numeric>
+#include <utility>
+
+#include "coordinator/luminance_floor.h"
 
 namespace strata {
 namespace {
 
 constexpr uint32_t kLeastPilot = 32;
 constexpr size_t kLeastEdge = 32;
-constexpr double kMostOfAverage = 8;
-
-/// To the nearest number of five binary digits. Requires x finite and >= 0.
-double RoundToFiveDigits(double x) {
-  constexpr uint64_t kDropped = uint64_t{1} << 48;
-  const uint64_t bits = std::bit_cast<uint64_t>(x) + kDropped / 2;
-  return std::bit_cast<double>(bits & ~(kDropped - 1));
-}
 
 std::vector<double> SumOfChannels(const PixelStatistics& statistics) {
   std::vector<double> sum = statistics.variance[0];
@@ -79,37 +72,8 @@ class Rounding {
   double pilot_, rest_, most_, average_;
 };
 
-/// The distinct values of a plane that has few.
-std::vector<double> DistinctValues(const std::vector<double>& plane) {
-  std::vector<double> values;
-  for (const double value : plane) {
-    if (!values.empty() && values.back() == value) continue;
-    const auto known = std::find(values.begin(), values.end(), value);
-    if (known == values.end()) {
-      values.push_back(value);
-    } else {
-      std::swap(*known, values.back());
-    }
-  }
-  return values;
-}
-
 double Mean(const std::vector<double>& plane) {
   return std::accumulate(plane.begin(), plane.end(), 0.0) / static_cast<double>(plane.size());
-}
-
-/// For each pixel where its relative errors begin, from all pixels outside of its 5x5; 0 where
-/// errors count as they are.
-std::vector<double> LeastLuminance(const PixelStatistics& pilot, AllocationGoal goal) {
-  std::vector<double> least(pilot.size.Pixels());
-  if (goal == AllocationGoal::kSquaredError) return least;
-  VisitMeansOutside(pilot.size, pilot.luminance, [&](size_t y, const double* means) {
-    double* row = &least[y * pilot.size.width];
-    for (size_t x = 0; x < pilot.size.width; ++x) {
-      row[x] = RoundToFiveDigits(kLeastShareOfMean * std::max(means[x], 0.0));
-    }
-  });
-  return least;
 }
 
 }  // namespace
@@ -128,14 +92,16 @@ std::vector<uint32_t> AllocateByRing(const PixelStatistics& pilot, uint32_t spp,
 
   const Shares shares = SharesOf(RingMeans(size, SumOfChannels(pilot)), RingMeans(size, pilot.rays),
                                  RingMeans(size, pilot.luminance), goal);
-  const std::vector<double> least = LeastLuminance(pilot, goal);
+  const std::vector<double> floors = goal == AllocationGoal::kRelativeError
+                                         ? LuminanceFloors(pilot)
+                                         : std::vector<double>(size.Pixels());
   const Rounding rounding(size, spp);
   std::vector<double> plane;
-  for (const double level : DistinctValues(least)) {
-    shares.Fill(plane, level);
+  for (const double floor : DistinctValues(floors)) {
+    shares.Fill(plane, floor);
     VisitMeansOutside(size, plane, [&](size_t y, const double* means) {
       for (size_t x = 0, i = y * size.width; x < size.width; ++x, ++i) {
-        if (least[i] == level) counts[i] = rounding.Count(plane[i], means[x]);
+        if (floors[i] == floor) counts[i] = rounding.Count(plane[i], means[x]);
       }
     });
   }

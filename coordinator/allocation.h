@@ -21,9 +21,7 @@
 //    least 1 away from p.
 //  - The weight 1/max(luminance, 5 % of the image mean)^2 needs an image mean. Left to q, as the
 //    mean without q's 5x5, it would have p in it. Hence n_p is made throughout, for s_p and for all
-//    s_q, with one image mean, that without *p's* 5x5, rounded to five binary digits (by at most
-//    3 %). Rounded, few different means occur in an image, mostly one or two, so that the
-//    normalisers are sums over the image for each of these instead of for each pixel.
+//    s_q, with one image mean, that without *p's* 5x5 (luminance_floor.h).
 // Nothing is subtracted from a sum either (ring_pool.h), so the count stays to the last bit
 // whatever the pixel's own statistics are.
 //
@@ -31,6 +29,12 @@
 // pixels have most of the noise. It is reported, never renormalised.
 
 namespace strata {
+
+/// No pixel gets more than this many times the average.
+inline constexpr double kMostOfAverage = 8;
+
+/// No pixel gets more than this many times the average.
+inline constexpr double kMostOfAverage = 8;
 
 /// What an allocation makes small for the rays it spends.
 enum class AllocationGoal {

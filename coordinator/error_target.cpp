@@ -5,6 +5,9 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <utility>
+
+#include "coordinator/luminance_floor.h"
 
 namespace strata {
 namespace {
@@ -34,24 +37,35 @@ void ForEachInside(PlaneSize size, size_t i, Visit visit) {
   }
 }
 
-/// The samples over all replicates each pixel needs, judged by others; infinite where there is
-/// noise and no light to measure it by.
-std::vector<double> Needs(const PixelStatistics& now, double error) {
-  std::vector<double> needs = RingMeans(now.size, now.variance[0]);
-  for (int c = 1; c < kColours; ++c) {
-    const std::vector<double> variance = RingMeans(now.size, now.variance[c]);
-    for (size_t i = 0; i < needs.size(); ++i) needs[i] = std::max(needs[i], variance[i]);
-  }
-  const std::vector<double> luminance = RingMeans(now.size, now.luminance);
-  VisitMeansOutside(now.size, now.luminance, [&](size_t y, const double* means) {
-    for (size_t x = 0, i = y * now.size.width; x < now.size.width; ++x, ++i) {
-      const double widest =
-          error / kStudent50 * std::max({luminance[i], kLeastShareOfMean * means[x], 0.0});
-      if (needs[i] > 0) needs[i] /= widest * widest;
+/// What tells how many samples pixels need, each judged by its ring.
+class Needs {
+ public:
+  Needs(const PixelStatistics& now, double error)
+      : variance_(RingMeans(now.size, now.variance[0])),
+        luminance_(RingMeans(now.size, now.luminance)),
+        widest_(error / kStudent50) {
+    for (int c = 1; c < kColours; ++c) {
+      const std::vector<double> variance = RingMeans(now.size, now.variance[c]);
+      for (size_t i = 0; i < variance_.size(); ++i) {
+        variance_[i] = std::max(variance_[i], variance[i]);
+      }
     }
-  });
-  return needs;
-}
+  }
+
+  /// Over all replicates, if errors are relative from `floor` on; infinite where there is noise and
+  /// no light to measure it by.
+  void Fill(std::vector<double>& needs, double floor) const {
+    needs.resize(variance_.size());
+    for (size_t i = 0; i < needs.size(); ++i) {
+      const double widest = widest_ * std::max(luminance_[i], floor);
+      needs[i] = variance_[i] > 0 ? variance_[i] / (widest * widest) : 0;
+    }
+  }
+
+ private:
+  std::vector<double> variance_, luminance_;
+  double widest_;
+};
 
 /// Figures of all judged pixels outside of the 5x5 around one.
 class Outside {
@@ -73,8 +87,6 @@ class Outside {
   bool Met(size_t i) const {
     return static_cast<double>(now_.samples[i]) * kReplicates >= needs_[i];
   }
-  size_t judged() const { return judged_; }
-  size_t unmet() const { return unmet_; }
 
   /// Whether more of them miss the target than may.
   bool TooManyUnmet(size_t i) const {
@@ -113,16 +125,30 @@ class Outside {
   size_t judged_ = 0, unmet_ = 0;
 };
 
-/// `error` times the square root of what the pixel at the allowed quantile lacks.
-double ErrorNow(const PixelStatistics& now, const std::vector<double>& needs, double error) {
-  std::vector<double> lacks;
-  for (size_t i = 0; i < needs.size(); ++i) {
-    if (!now.nonfinite[i]) lacks.push_back(needs[i] / (double{kReplicates} * now.samples[i]));
-  }
-  if (lacks.empty()) return 0;
+/// Adds to a round what pixel i shall have. Returns the number of samples of a replicate it was
+/// given, unless this is the cap.
+double PlanPixel(const PixelStatistics& now, const Outside& outside, size_t i, double need,
+                 double cap, TargetRound& round) {
+  if (outside.Met(i) || !outside.TooManyUnmet(i)) return 0;
+  const double wanted =
+      std::min(std::ceil(kMargin / kReplicates * std::min(need, outside.Limit(i))), cap);
+  if (!(wanted > now.samples[i])) return 0;
+  round.ends[i] = static_cast<uint32_t>(wanted);
+  round.added += uint64_t{kReplicates} * (round.ends[i] - now.samples[i]);
+  return wanted < cap ? wanted : 0;
+}
+
+/// Completes a round by how things stand: `lacks` are the judged pixels' needs over what they have.
+void Judge(std::vector<double> lacks, double error, TargetRound& round) {
+  round.met = true;
+  round.met_share = 1;
+  if (lacks.empty()) return;
   const auto place = lacks.begin() + static_cast<ptrdiff_t>(lacks.size() / kMayMiss);
   std::nth_element(lacks.begin(), place, lacks.end(), std::greater<>());
-  return error * std::sqrt(*place);
+  round.error = error * std::sqrt(*place);
+  round.met = *place <= 1;
+  const auto met = std::count_if(lacks.begin(), lacks.end(), [](double lack) { return lack <= 1; });
+  round.met_share = static_cast<double>(met) / static_cast<double>(lacks.size());
 }
 
 }  // namespace
@@ -140,26 +166,24 @@ TargetRound PlanCap(const PixelStatistics& now, uint32_t spp) {
 
 TargetRound PlanForRelativeError(const PixelStatistics& now, double error, uint32_t spp) {
   if (!HasOutside(now.size)) return PlanCap(now, spp);
-  const double cap = spp / kReplicates;
-  const std::vector<double> needs = Needs(now, error);
-  const Outside outside(now, needs);
+  const Needs all_needs(now, error);
+  const std::vector<double> floors = LuminanceFloors(now);
   TargetRound round{now.samples};
+  std::vector<double> needs, lacks;
   double squares = 0;
-  for (size_t i = 0; i < needs.size(); ++i) {
-    if (outside.Met(i) || !outside.TooManyUnmet(i)) continue;
-    const double wanted =
-        std::min(std::ceil(kMargin / kReplicates * std::min(needs[i], outside.Limit(i))), cap);
-    if (!(wanted > now.samples[i])) continue;
-    round.ends[i] = static_cast<uint32_t>(wanted);
-    round.added += uint64_t{kReplicates} * (round.ends[i] - now.samples[i]);
-    if (wanted < cap) squares += wanted * wanted;
+  for (const double floor : DistinctValues(floors)) {
+    all_needs.Fill(needs, floor);
+    const Outside outside(now, needs);
+    for (size_t i = 0; i < needs.size(); ++i) {
+      if (floors[i] != floor) continue;
+      const double given = PlanPixel(now, outside, i, needs[i], spp / kReplicates, round);
+      squares += given * given;
+      if (!now.nonfinite[i]) lacks.push_back(needs[i] / (double{kReplicates} * now.samples[i]));
+    }
   }
   // Each pixel's 7 degrees of freedom count once, if in the rings of others.
   round.added_deviation = kReplicates * std::sqrt(2 / kDegrees * squares);
-  round.error = ErrorNow(now, needs, error);
-  const size_t judged = outside.judged(), unmet = outside.unmet();
-  round.met = unmet <= judged / kMayMiss;
-  round.met_share = judged > 0 ? 1 - static_cast<double>(unmet) / static_cast<double>(judged) : 1;
+  Judge(std::move(lacks), error, round);
   return round;
 }
 
