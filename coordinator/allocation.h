@@ -33,9 +33,6 @@ namespace strata {
 /// No pixel gets more than this many times the average.
 inline constexpr double kMostOfAverage = 8;
 
-/// No pixel gets more than this many times the average.
-inline constexpr double kMostOfAverage = 8;
-
 /// What an allocation makes small for the rays it spends.
 enum class AllocationGoal {
   kRelativeError,  ///< Mean squared error over squared luminance; the cost of a sample is its rays.
