@@ -14,9 +14,13 @@ std::string Dump(const Json& json) {
 
 Json RectJson(const PixelRect& rect) { return Json::array({rect.x0, rect.y0, rect.x1, rect.y1}); }
 
-/// Null where the time left is not known.
-Json EtaJson(const JobStatus& status) {
-  return status.eta_s < 0 ? Json(nullptr) : Json(status.eta_s);
+/// Null where an estimate is not known.
+Json KnownJson(double estimate) { return estimate < 0 ? Json(nullptr) : Json(estimate); }
+
+/// Null for a job without a target.
+Json TargetJson(const JobSpec& spec) {
+  if (spec.target == TargetKind::kSamples) return nullptr;
+  return {{"kind", std::string(ToString(spec.target))}, {"value", spec.target_value}};
 }
 
 Json MeanJson(const JobStatus& status) {
@@ -34,6 +38,8 @@ Json JobJson(const JobStatus& status) {
           {"height", status.spec.height},
           {"crop", RectJson(status.spec.crop)},
           {"spp", status.spec.spp},
+          {"allocation", std::string(ToString(status.spec.allocation))},
+          {"target", TargetJson(status.spec)},
           {"fraction", status.fraction},
           {"samples", status.samples},
           {"spp_mean", status.spp_mean},
@@ -41,7 +47,7 @@ Json JobJson(const JobStatus& status) {
           {"flagged", status.flagged},
           {"nonfinite", status.nonfinite},
           {"samples_per_s", status.samples_per_second},
-          {"eta_s", EtaJson(status)},
+          {"eta_s", KnownJson(status.eta_s)},
           {"workers", status.workers},
           {"submitted_unix_s", status.submitted_unix_s},
           {"wall_s", status.wall_s}};
@@ -59,7 +65,11 @@ std::string ProgressEvent(const JobStatus& status) {
                {"fraction", status.fraction},
                {"spp_mean", status.spp_mean},
                {"rel_error", status.rel_error},
-               {"eta_s", EtaJson(status)},
+               {"eta_s", KnownJson(status.eta_s)},
+               {"eta_low_s", KnownJson(status.eta_low_s)},
+               {"eta_high_s", KnownJson(status.eta_high_s)},
+               {"samples_left", KnownJson(status.samples_left)},
+               {"rounds", status.rounds},
                {"workers", status.workers},
                {"state", std::string(ToString(status.state))},
                {"samples", status.samples},
@@ -80,6 +90,8 @@ std::string DoneEvent(const JobStatus& status) {
                {"mean_rgb", MeanJson(status)},
                {"rel_error", status.rel_error},
                {"target_met", TargetMet(status)},
+               {"target_share", status.target_share},
+               {"rounds", status.rounds},
                {"nonfinite", status.nonfinite},
                {"flagged", status.flagged},
                {"digest", status.result.ToString()}});
@@ -116,6 +128,8 @@ std::string LogsJson(const std::vector<LogLine>& lines) {
   return Dump(list);
 }
 
-bool TargetMet(const JobStatus& status) { return status.state == JobState::kDone; }
+bool TargetMet(const JobStatus& status) {
+  return status.state == JobState::kDone && status.target_met;
+}
 
 }  // namespace strata

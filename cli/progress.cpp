@@ -22,6 +22,15 @@ std::string Workers(int workers) {
   return absl::StrCat(workers, workers == 1 ? " worker" : " workers");
 }
 
+/// "3m 20s left", with the interval it lies in where that says more.
+std::string TimeLeft(const JobStatus& status) {
+  const auto duration = [](double seconds) { return FormatDuration(std::max(1.0, seconds)); };
+  const std::string low = duration(status.eta_low_s), high = duration(status.eta_high_s);
+  std::string text = duration(status.eta_s) + " left";
+  if (status.eta_low_s >= 0 && low != high) absl::StrAppend(&text, " (", low, " to ", high, ")");
+  return text;
+}
+
 /// What goes on, most wanted first.
 std::vector<std::string> Segments(const JobStatus& status) {
   std::vector<std::string> segments;
@@ -40,7 +49,7 @@ std::vector<std::string> Segments(const JobStatus& status) {
   }
   if (status.rel_error > 0) segments.push_back("error " + FormatPercent(status.rel_error));
   if (status.eta_s >= 0 && !IsFinal(status.state)) {
-    segments.push_back(FormatDuration(std::max(1.0, status.eta_s)) + " left");
+    segments.push_back(TimeLeft(status));
   }
   segments.push_back(Workers(status.workers));
   if (!status.worst_tiles.empty()) {

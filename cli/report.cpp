@@ -1,6 +1,7 @@
 #include "cli/report.h"
 
 #include <absl/strings/str_format.h>
+#include <absl/strings/str_join.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -46,6 +47,36 @@ void ShowTroubles(FarmClient& client, const JobStatus& status, Console& console)
   }
 }
 
+/// "worst tiles: ±12 % at 32,64; ..."
+std::string WorstTiles(const JobStatus& status) {
+  std::vector<std::string> tiles;
+  for (const TileError& tile : status.worst_tiles) {
+    tiles.push_back(absl::StrFormat("±%s at %d,%d", FormatPercent(tile.rel_error), tile.pixels.x0,
+                                    tile.pixels.y0));
+  }
+  return "worst tiles: " + absl::StrJoin(tiles, "; ");
+}
+
+/// Whether a job's target was met; empty for a job without one.
+std::string TargetLine(const JobStatus& status) {
+  const double value = status.spec.target_value;
+  const std::string met = TargetMet(status) ? "target met" : "target not met within --spp";
+  switch (status.spec.target) {
+    case TargetKind::kSamples:
+      return "";
+    case TargetKind::kTime:
+      return absl::StrFormat("rendered for at most %s in %d rounds", FormatDuration(value),
+                             status.rounds);
+    case TargetKind::kRmse:
+      return absl::StrFormat("%s: --rmse %g after %d rounds", met, value, status.rounds);
+    case TargetKind::kRelativeError:
+      break;
+  }
+  return absl::StrFormat("%s: %s of pixels within ±%s, as their surroundings show, after %d rounds",
+                         met, FormatPercent(status.target_share), FormatPercent(value),
+                         status.rounds);
+}
+
 /// What came of a job, in a few lines for people.
 std::vector<std::string> ReportLines(const JobStatus& status,
                                      const std::vector<std::string>& files) {
@@ -61,6 +92,8 @@ std::vector<std::string> ReportLines(const JobStatus& status,
     lines.push_back(absl::StrFormat("99 %% of pixels are within ±%s (95 %% confidence)",
                                     FormatPercent(status.rel_error)));
   }
+  if (!status.worst_tiles.empty()) lines.push_back(WorstTiles(status));
+  if (const std::string target = TargetLine(status); !target.empty()) lines.push_back(target);
   if (status.flagged > 0) {
     lines.push_back(absl::StrFormat("%s of pixels are flagged: their interval may be too narrow",
                                     FormatPercent(status.flagged)));
@@ -120,8 +153,8 @@ absl::StatusOr<std::vector<std::string>> WriteImage(const ImageOutput& output,
 
 absl::StatusOr<ExitStatus> FinishJob(FarmClient& client, const JobStatus& status,
                                      const ImageOutput& output, bool json, Console& console) {
-  const bool well = status.state == JobState::kDone && status.nonfinite == 0;
-  if (!well) {
+  const bool finite = status.state == JobState::kDone && status.nonfinite == 0;
+  if (!finite) {
     console.Error(Complaint(status));
     ShowTroubles(client, status, console);
   }
@@ -135,7 +168,7 @@ absl::StatusOr<ExitStatus> FinishJob(FarmClient& client, const JobStatus& status
   } else {
     for (const std::string& line : ReportLines(status, files)) console.Result(line);
   }
-  return well ? ExitStatus::kDone : ExitStatus::kFailed;
+  return finite && TargetMet(status) ? ExitStatus::kDone : ExitStatus::kFailed;
 }
 
 }  // namespace strata

@@ -275,13 +275,15 @@ absl::StatusOr<std::vector<LogLine>> Farm::Logs(const JobId& job) const {
 absl::StatusOr<ImageLayers> Farm::Image(const JobId& id) const {
   std::shared_ptr<JobFilm> film;
   JobStatus status;
+  double widening = 1;
   {
     MutexLock lock(state_->mutex);
     STRATA_ASSIGN_OR_RETURN(const JobRecord* job, state_->Find(id));
     film = job->film;
     status = state_->StatusOf(*job);
+    if (status.state != JobState::kDone) widening = job->widening;
   }
-  ImageBuilder image(status.spec);
+  ImageBuilder image(status.spec, widening);
   const TileGrid grid{status.spec.crop, status.spec.tile};
   for (uint32_t tile = 0; tile < grid.Count(); ++tile) {
     EstimateInput input;

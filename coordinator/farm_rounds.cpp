@@ -5,6 +5,8 @@
 #include <system_error>
 #include <utility>
 
+#include "coordinator/allocation.h"
+#include "coordinator/confidence_sequence.h"
 #include "coordinator/farm_state.h"
 #include "coordinator/round_plan_format.h"
 #include "coordinator/schedule.h"
@@ -18,6 +20,15 @@ constexpr double kTargetToPilot = 4;
 double ExpectedSamples(const JobSpec& spec, uint64_t planned) {
   if (spec.target != TargetKind::kSamples) return kTargetToPilot * static_cast<double>(planned);
   return static_cast<double>(spec.spp) * static_cast<double>(spec.crop.Pixels());
+}
+
+/// What the interval at a fixed count is multiplied with to hold from the first piece of a pixel to
+/// the last it may get.
+double WideningWhileWatched(const RoundPlan& first, const JobSpec& spec) {
+  const double pilot = kReplicates * static_cast<double>(first.classes[0].pieces[0].Count());
+  const bool known = IsLastRound(spec, 1);
+  const double most = known ? spec.spp : kMostOfAverage * static_cast<double>(spec.spp);
+  return AnytimeFactor(pilot, most) / kStudent50;
 }
 
 /// A round like `plan` in which nothing is rendered.
@@ -62,7 +73,10 @@ absl::Status Farm::State::StartRound(JobRecord& job, RoundPlan plan) {
   job.merged_before = job.merged;
   job.planned_samples += job.plan->Samples();
   job.planned_units += job.plan->Units();
-  if (job.plan->round == 0) job.expected.expected = ExpectedSamples(job.spec, job.planned_samples);
+  if (job.plan->round == 0) {
+    job.expected.expected = ExpectedSamples(job.spec, job.planned_samples);
+    job.widening = WideningWhileWatched(*job.plan, job.spec);
+  }
   job.queue = std::make_unique<UnitQueue>(
       job.plan, WindowFor(job.plan->grid.Count(), static_cast<int>(workers.size())));
   MutexLock lock(job.film->mutex);
@@ -204,7 +218,7 @@ void Farm::State::Complete(const JobId& id, const std::string& message, SteadyTi
     if (!job.ok()) return;
     film = (*job)->film;
   }
-  const FilmSummary summary = RefreshSummary(*film);
+  const FilmSummary summary = RefreshSummary(*film, 1);
   Digest digest;
   {
     MutexLock lock(film->mutex);

@@ -40,9 +40,9 @@ struct JobFilm {
   std::unique_ptr<SummaryInput> summary STRATA_GUARDED_BY(summary_mutex);
 };
 
-/// Estimates the tiles that changed, and those they touch, and sums the picture up. Locks the film
-/// for one tile at a time.
-FilmSummary RefreshSummary(JobFilm& film);
+/// Estimates the tiles that changed, and those they touch, and sums the picture up, with intervals
+/// `widening` times those of Estimate. Locks the film for one tile at a time.
+FilmSummary RefreshSummary(JobFilm& film, double widening);
 
 /// Where the film of a job lies, and its copy from before the round, when that may be dropped.
 std::filesystem::path FilmPath(const FarmOptions& options, const JobId& job);
@@ -77,6 +77,7 @@ struct JobRecord {
   RemainingSamples expected;  ///< All samples of the job, as the last plan estimated them.
   bool target_met = false;
   double target_share = 0;
+  double widening = 1;  ///< Of intervals, as long as somebody may still wait for a better one.
 
   std::optional<WorkerClass> worker_class;  ///< Of the first worker; binding if reproducible.
   std::map<UnitId, UnitTrouble> troubles;

@@ -39,7 +39,7 @@ std::vector<bool> WithNeighbours(const std::vector<bool>& changed, const TileGri
 
 }  // namespace
 
-FilmSummary RefreshSummary(JobFilm& film) {
+FilmSummary RefreshSummary(JobFilm& film, double widening) {
   MutexLock summary_lock(film.summary_mutex);
   std::vector<bool> touched;
   TileGrid grid;
@@ -62,7 +62,7 @@ FilmSummary RefreshSummary(JobFilm& film) {
     }
     film.summary->Update(tile, Estimate(input));
   }
-  return film.summary->Summarize();
+  return film.summary->Summarize(widening);
 }
 
 void ReleaseSummary(JobFilm& film) {

@@ -105,7 +105,12 @@ void Farm::State::ExpireSilent(SteadyTime now) {
 }
 
 void Farm::Tick(SteadyTime now) {
-  std::vector<std::pair<JobId, std::shared_ptr<JobFilm>>> to_summarize;
+  struct Stale {
+    JobId job;
+    std::shared_ptr<JobFilm> film;
+    double widening;
+  };
+  std::vector<Stale> to_summarize;
   std::vector<std::shared_ptr<JobFilm>> to_release;
   std::vector<JobId> to_publish, to_drop;
   {
@@ -123,7 +128,7 @@ void Farm::Tick(SteadyTime now) {
         job->summarized = now;
         job->summary_stale = false;
         job->summary_held = true;
-        to_summarize.emplace_back(id, job->film);
+        to_summarize.push_back({id, job->film, job->widening});
       }
       if (IsFinal(job->state) && std::exchange(job->summary_held, false)) {
         to_release.push_back(job->film);
@@ -132,8 +137,8 @@ void Farm::Tick(SteadyTime now) {
     }
   }
   for (const JobId& job : to_drop) state_->FinishDropped(job, now);
-  for (const auto& [id, film] : to_summarize) {
-    const FilmSummary summary = RefreshSummary(*film);
+  for (const auto& [id, film, widening] : to_summarize) {
+    const FilmSummary summary = RefreshSummary(*film, widening);
     MutexLock lock(state_->mutex);
     const absl::StatusOr<JobRecord*> job = state_->Find(id);
     if (job.ok() && !IsFinal((*job)->state)) (*job)->summary = summary;

@@ -57,7 +57,7 @@ void SummaryInput::Update(uint32_t tile, const std::vector<PixelEstimate>& estim
   }
 }
 
-FilmSummary SummaryInput::Summarize() const {
+FilmSummary SummaryInput::Summarize(double widening) const {
   FilmSummary summary;
   uint64_t flagged = 0;
   bool complete = true;
@@ -78,12 +78,12 @@ FilmSummary SummaryInput::Summarize() const {
   for (const Pixel& pixel : pixels_) {
     AppendRelErrors(pixel.mean, pixel.ci95, least_luminance, errors);
   }
-  summary.rel_error = Quantile(errors, kRelErrorQuantile);
-  summary.worst_tiles = WorstTiles(least_luminance);
+  summary.rel_error = widening * Quantile(errors, kRelErrorQuantile);
+  summary.worst_tiles = WorstTiles(least_luminance, widening);
   return summary;
 }
 
-std::vector<TileError> SummaryInput::WorstTiles(double least_luminance) const {
+std::vector<TileError> SummaryInput::WorstTiles(double least_luminance, double widening) const {
   std::vector<TileError> tiles;
   std::vector<float> errors;
   for (uint32_t tile = 0; tile < grid_.Count(); ++tile) {
@@ -95,7 +95,7 @@ std::vector<TileError> SummaryInput::WorstTiles(double least_luminance) const {
         AppendRelErrors(pixel.mean, pixel.ci95, least_luminance, errors);
       }
     }
-    tiles.push_back({rect, Quantile(errors, kRelErrorQuantile)});
+    tiles.push_back({rect, widening * Quantile(errors, kRelErrorQuantile)});
   }
   const auto worse = [](const TileError& a, const TileError& b) {
     return a.rel_error > b.rel_error;

@@ -27,7 +27,8 @@ class SummaryInput {
 
   /// Sums run in pixel order over the values as they stand in the picture (floats), so that the
   /// figures do not depend on the tile size; `worst_tiles` alone do.
-  FilmSummary Summarize() const;
+  /// Intervals are `widening` times those of the estimates.
+  FilmSummary Summarize(double widening) const;
 
  private:
   struct Pixel {
@@ -37,7 +38,7 @@ class SummaryInput {
     bool has_samples = false;
   };
   size_t IndexOf(int x, int y) const;
-  std::vector<TileError> WorstTiles(double least_luminance) const;
+  std::vector<TileError> WorstTiles(double least_luminance, double widening) const;
 
   TileGrid grid_;
   std::vector<Pixel> pixels_;  ///< Row-major over the crop.

@@ -6,7 +6,7 @@
 
 namespace strata {
 
-ImageBuilder::ImageBuilder(const JobSpec& spec) {
+ImageBuilder::ImageBuilder(const JobSpec& spec, double widening) : widening_(widening) {
   const std::vector<std::string> plain = PlainChannelNames(spec.channels);
   plain_ = plain.size();
   image_.full_width = spec.width;
@@ -26,8 +26,9 @@ ImageBuilder::ImageBuilder(const JobSpec& spec) {
 void ImageBuilder::Fill(const EstimateInput& input, const std::vector<double>& plain) {
   const std::vector<PixelEstimate> estimates = Estimate(input);
   const PixelRect& rect = input.wanted;
-  const auto put = [](const double* from, size_t count, float* to) {
-    return std::transform(from, from + count, to, [](double v) { return static_cast<float>(v); });
+  const auto put = [](const double* from, size_t count, float* to, double scale = 1) {
+    return std::transform(from, from + count, to,
+                          [&](double v) { return static_cast<float>(v * scale); });
   };
   size_t i = 0;
   for (int y = rect.y0; y < rect.y1; ++y) {
@@ -39,7 +40,7 @@ void ImageBuilder::Fill(const EstimateInput& input, const std::vector<double>& p
       out = put(estimate.mean, kColours, out);
       out = put(plain.data() + i * plain_, plain_, out);
       out = put(estimate.standard_error, kColours, out);
-      out = put(estimate.ci95, kColours, out);
+      out = put(estimate.ci95, kColours, out, widening_);
       out = put(estimate.variance, kColours, out);
       *out++ = static_cast<float>(estimate.samples);
       *out++ = static_cast<float>(estimate.flags);
@@ -87,6 +88,12 @@ std::vector<std::pair<std::string, std::string>> ImageMetadata(const JobStatus& 
       {"resolution", fmt::format("{}x{}", spec.width, spec.height)},
       {"crop", fmt::format("{},{},{},{}", spec.crop.x0, spec.crop.y0, spec.crop.x1, spec.crop.y1)},
       {"spp", std::to_string(spec.spp)},
+      {"allocation", std::string(ToString(spec.allocation))},
+      {"target", spec.target == TargetKind::kSamples
+                     ? "samples"
+                     : fmt::format("{}:{}", ToString(spec.target), spec.target_value)},
+      {"rounds", std::to_string(status.rounds)},
+      {"interval", status.state == JobState::kDone ? "at this count" : "at all times"},
       {"maxDepth", std::to_string(spec.max_depth)},
       {"sampler", std::string(ToString(spec.sampler))},
       {"filter", FilterText(spec.filter)},

@@ -12,7 +12,8 @@ namespace strata {
 /// Layers of a picture to be filled rectangle by rectangle; see ImageLayers.
 class ImageBuilder {
  public:
-  explicit ImageBuilder(const JobSpec& spec);
+  /// Intervals are `widening` times those of the estimates.
+  ImageBuilder(const JobSpec& spec, double widening);
 
   /// Sets the pixels of input.wanted. `plain` holds the plain means of each of them, row-major.
   void Fill(const EstimateInput& input, const std::vector<double>& plain);
@@ -21,6 +22,7 @@ class ImageBuilder {
 
  private:
   ImageLayers image_;
+  double widening_;
   size_t plain_ = 0;
 };
 

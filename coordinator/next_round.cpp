@@ -117,6 +117,7 @@ NextRound NextForTime(const JobSpec& spec, uint32_t round, const PixelStatistics
 
   NextRound next;
   next.target_met = true;
+  if (!(left.seconds > 0)) return next;
   double wanted = std::min(have + budget / std::max(rays, 1.0), kMostGrowth * have);
   // Once more, since a sample where the error is costs other than the mean one.
   for (int attempt = 0; attempt < 2; ++attempt) {

@@ -14,7 +14,8 @@ namespace strata {
 /// What only the coordinator's clock knows.
 struct TimeLeft {
   double seconds = std::numeric_limits<double>::infinity();
-  double rays_per_second = 0;  ///< Of all workers together, as measured so far.
+  /// Of all workers together, as measured so far; infinite before that.
+  double rays_per_second = std::numeric_limits<double>::infinity();
 };
 
 /// What comes after a round.

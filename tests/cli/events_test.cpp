@@ -21,6 +21,7 @@ TEST(Events, TheDoneEventHasExactlyTheKeysScriptsRelyOn) {
   status.id = "j-4";
   status.state = JobState::kDone;
   status.samples = 6144;
+  status.target_met = true;
   status.mean_rgb[1] = 0.5;
   const std::string line = DoneEvent(status);
   EXPECT_EQ(line.find('\n'), std::string::npos);
@@ -28,7 +29,7 @@ TEST(Events, TheDoneEventHasExactlyTheKeysScriptsRelyOn) {
   EXPECT_EQ(Keys(done),
             (std::set<std::string>{"event", "job", "wall_s", "load_s", "render_s", "samples",
                                    "spp_mean", "rays", "mean_rgb", "rel_error", "target_met",
-                                   "nonfinite", "flagged", "digest"}));
+                                   "target_share", "rounds", "nonfinite", "flagged", "digest"}));
   EXPECT_EQ(done["event"], "done");
   EXPECT_EQ(done["job"], "j-4");
   EXPECT_EQ(done["samples"], 6144);
@@ -40,6 +41,7 @@ TEST(Events, TheDoneEventHasExactlyTheKeysScriptsRelyOn) {
 TEST(Events, AJobThatFailedHasNotMetItsTarget) {
   JobStatus status;
   status.state = JobState::kFailed;
+  status.target_met = true;
   EXPECT_EQ(json::parse(DoneEvent(status))["target_met"], false);
 }
 

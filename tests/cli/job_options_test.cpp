@@ -126,13 +126,35 @@ TEST(JobOptions, ValuesThatAreNotUnderstoodAreNamedWithWhatIsWanted) {
   EXPECT_NE(Refusal({.scene = "a", .spp = 0}).find("--spp: 0"), std::string::npos);
 }
 
-TEST(JobOptions, OptionsOfLaterVersionsSayThatTheyAreNotThereYet) {
-  EXPECT_NE(Refusal({.scene = "a", .error = "0.05"}).find("--error is not there yet"),
-            std::string::npos);
-  EXPECT_NE(Refusal({.scene = "a", .time = "60"}).find("--time is not there yet"),
-            std::string::npos);
-  EXPECT_NE(Refusal({.scene = "a", .allocation = "ring"}).find("not there yet"), std::string::npos);
-  EXPECT_EQ(Resolve({.scene = "a.pbrt", .allocation = "uniform"}).name, "a");
+TEST(JobOptions, ATargetHasAKindAValueAndACap) {
+  const JobSpec plain = Resolve({.scene = "a.pbrt"});
+  EXPECT_EQ(plain.target, TargetKind::kSamples);
+  EXPECT_EQ(plain.allocation, AllocationKind::kRing);
+  const JobSpec error = Resolve({.scene = "a.pbrt", .error = "2%"});
+  EXPECT_EQ(error.target, TargetKind::kRelativeError);
+  EXPECT_DOUBLE_EQ(error.target_value, 0.02);
+  EXPECT_EQ(error.spp, 65536u);
+  EXPECT_EQ(Resolve({.scene = "a.pbrt", .spp = 1024, .error = "0.02"}).spp, 1024u);
+  EXPECT_EQ(Resolve({.scene = "a.pbrt", .rmse = "1e-3"}).target, TargetKind::kRmse);
+  const JobSpec time = Resolve({.scene = "a.pbrt", .time = "1.5m"});
+  EXPECT_EQ(time.target, TargetKind::kTime);
+  EXPECT_DOUBLE_EQ(time.target_value, 90);
+  EXPECT_DOUBLE_EQ(Resolve({.scene = "a.pbrt", .time = "90"}).target_value, 90);
+  EXPECT_DOUBLE_EQ(Resolve({.scene = "a.pbrt", .time = "2h"}).target_value, 7200);
+  EXPECT_EQ(Resolve({.scene = "a.pbrt", .allocation = "uniform"}).allocation,
+            AllocationKind::kUniform);
+}
+
+TEST(JobOptions, TargetsThatMakeNoSenseAreNamed) {
+  const auto refused = [](const JobOptions& options, const char* what) {
+    EXPECT_NE(Refusal(options).find(what), std::string::npos) << Refusal(options);
+  };
+  refused({.scene = "a", .error = "-1"}, "--error: '-1'");
+  refused({.scene = "a", .error = "0"}, "--error: '0'");
+  refused({.scene = "a", .rmse = "2%"}, "--rmse: '2%'");
+  refused({.scene = "a", .time = "soon"}, "--time: 'soon'");
+  refused({.scene = "a", .error = "1%", .time = "9"}, "exclude each other");
+  refused({.scene = "a", .allocation = "square"}, "--allocation: ");
 }
 
 TEST(FindScene, TheRootIsTheScenesFolderUnlessAnotherContainsIt) {

@@ -84,7 +84,6 @@ TEST(Usage, ValuesOfTheWrongKindAreNamed) {
 }
 
 TEST(Usage, WhatLaterVersionsDoIsRefusedWithASentence) {
-  ExpectRefused(RunInProcess({"render", "a.pbrt", "--error", "0.05"}), "--error is not there yet");
   ExpectRefused(RunInProcess({"render", "a.pbrt", "--kernel", "fast"}),
                 "--kernel is not there yet");
 }

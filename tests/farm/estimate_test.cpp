@@ -231,7 +231,8 @@ TEST_F(EstimateTest, SummaryFollowsItsDefinition) {
   for (uint32_t t = 0; t < plan_->grid.Count(); ++t) {
     input.Update(t, Estimate(GatherEstimateInput(*film_, plan_->grid.Rect(t))));
   }
-  const FilmSummary summary = input.Summarize();
+  const FilmSummary summary = input.Summarize(1);
+  EXPECT_EQ(input.Summarize(1.5).rel_error, 1.5 * summary.rel_error);
   double mean[3] = {}, flagged = 0;
   for (const PixelEstimate& e : whole) {
     for (int c = 0; c < 3; ++c) mean[c] += e.mean[c] / static_cast<double>(whole.size());
@@ -262,13 +263,13 @@ TEST_F(EstimateTest, SummaryHasNoErrorUntilEveryPixelHasSamples) {
   for (uint32_t t = 1; t < plan_->grid.Count(); ++t) {
     input.Update(t, Estimate(GatherEstimateInput(*film_, plan_->grid.Rect(t))));
   }
-  EXPECT_EQ(input.Summarize().rel_error, 0);
+  EXPECT_EQ(input.Summarize(1).rel_error, 0);
 }
 
 TEST_F(EstimateTest, ImageHasTheLayersInOrder) {
   spec_.channels = {true, false, false, true};
   Render();
-  ImageBuilder builder(spec_);
+  ImageBuilder builder(spec_, 1.5);
   builder.Fill(GatherEstimateInput(*film_, spec_.crop), GatherPlain(*film_, spec_.crop));
   const ImageLayers image = builder.Finish({});
   const std::vector<std::string> expected = {"R",          "G",          "B",         "A",
@@ -282,7 +283,7 @@ TEST_F(EstimateTest, ImageHasTheLayersInOrder) {
   EXPECT_EQ(values[1], static_cast<float>(estimate.mean[1]));
   EXPECT_EQ(values[4], static_cast<float>(film_->At(12, 7).values[LayoutOf(spec_).Plain(1)]));
   EXPECT_EQ(values[7], static_cast<float>(estimate.standard_error[2]));
-  EXPECT_EQ(values[8], static_cast<float>(estimate.ci95[0]));
+  EXPECT_EQ(values[8], static_cast<float>(1.5 * estimate.ci95[0]));
   EXPECT_EQ(values[11], static_cast<float>(estimate.variance[0]));
   EXPECT_EQ(values[14], 64);
 }

@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -216,6 +217,42 @@ class FarmTest : public ::testing::Test {
   SteadyTime now_{std::chrono::hours(1)};
   std::unique_ptr<Farm> farm_;
   std::deque<FakeWorker> workers_;
+};
+
+/// Digests of jobs rendered by unruly workers.
+class AnyWorkers : public FarmTest {
+ protected:
+  /// The digest of a job rendered by some workers in an order drawn from `seed`: results are kept
+  /// back, sent out of order and sent twice, and workers vanish and come.
+  Digest DigestWith(JobSpec spec, size_t workers, uint64_t seed) {
+    workers_.clear();
+    const JobId job = Submit(spec);
+    for (size_t i = 0; i < workers; ++i) Join("worker-" + std::to_string(i));
+    std::vector<std::pair<FakeWorker*, UnitResult>> kept;
+    std::set<FakeWorker*> gone;
+    int vanished = 0;
+    for (uint32_t step = 0; !IsFinal(Status(job).state) && step < 100000; ++step) {
+      const auto draw = [&](int what) { return FakeUniform(seed, what, 0, 0, step, 0); };
+      FakeWorker& worker = workers_[static_cast<size_t>(draw(0) * workers_.size())];
+      if (gone.contains(&worker)) continue;
+      if (auto result = worker.Render()) kept.emplace_back(&worker, *std::move(result));
+      if (!kept.empty() && draw(1) < 0.7) {
+        const size_t which = static_cast<size_t>(draw(2) * kept.size());
+        auto [from, result] = kept[which];
+        if (draw(3) < 0.7) kept.erase(kept.begin() + static_cast<ptrdiff_t>(which));
+        from->Send(result, now_);
+      }
+      if (draw(4) < 0.02 && vanished < 2) {
+        ++vanished;
+        worker.Vanish(now_);
+        gone.insert(&worker);
+        Join("replacement");
+      }
+      Pass(kTick);
+    }
+    EXPECT_EQ(Status(job).state, JobState::kDone) << LogText(job);
+    return Status(job).result;
+  }
 };
 
 }  // namespace strata

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <functional>
 #include <random>
 #include <vector>
@@ -40,14 +42,32 @@ class SyntheticImage {
   std::vector<SyntheticPixel> pixels_;
 };
 
-/// One render of it, sample by sample in rounds.
+/// Steele, Lea and Flood 2014, "Fast splittable pseudorandom number generators".
+class SplitMix {
+ public:
+  using result_type = uint64_t;
+  explicit SplitMix(uint64_t seed) : state_(seed) {}
+  static constexpr uint64_t min() { return 0; }
+  static constexpr uint64_t max() { return ~uint64_t{0}; }
+  uint64_t operator()() {
+    uint64_t z = state_ += 0x9e3779b97f4a7c15;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111eb;
+    return z ^ (z >> 31);
+  }
+
+ private:
+  uint64_t state_;
+};
+
+/// One render of it, sample by sample in rounds. Each pixel has random numbers of its own.
 class SyntheticRender {
  public:
   SyntheticRender(const SyntheticImage& image, uint64_t seed)
-      : image_(image),
-        random_(seed),
-        sums_(image.pixels().size() * kReplicates),
-        samples_(image.pixels().size()) {}
+      : image_(image), sums_(image.pixels().size() * kReplicates), samples_(image.pixels().size()) {
+    SplitMix seeds(seed);
+    for (size_t i = 0; i < samples_.size(); ++i) random_.emplace_back(seeds());
+  }
 
   /// Each pixel then has at least ends[i] samples in each replicate.
   void RenderTo(const std::vector<uint32_t>& ends) {
@@ -61,11 +81,8 @@ class SyntheticRender {
     samples_[i] = end;
     for (int r = 0; r < kReplicates; ++r) sums_[i * kReplicates + r] += Sum(i, more);
   }
-  /// Forgets the pixel's samples, so that others can be drawn.
-  void Clear(size_t i) {
-    std::fill_n(&sums_[i * kReplicates], kReplicates, 0.0);
-    samples_[i] = 0;
-  }
+  /// The pixel's samples will be others. Requires that it has none yet.
+  void Redraw(size_t i, uint64_t seed) { random_[i] = SplitMix(seed); }
 
   double Mean(size_t i) const {
     double sum = 0;
@@ -106,17 +123,17 @@ class SyntheticRender {
     const SyntheticPixel& pixel = image_.pixels()[i];
     double sum = samples * pixel.dark;
     if (pixel.probability > 0) {
-      sum += pixel.bright *
-             std::binomial_distribution<int>(static_cast<int>(samples), pixel.probability)(random_);
+      sum += pixel.bright * std::binomial_distribution<int>(static_cast<int>(samples),
+                                                            pixel.probability)(random_[i]);
     }
     if (pixel.deviation > 0) {
-      sum += pixel.deviation * std::sqrt(samples) * std::normal_distribution<double>()(random_);
+      sum += pixel.deviation * std::sqrt(samples) * std::normal_distribution<double>()(random_[i]);
     }
     return sum;
   }
 
   const SyntheticImage& image_;
-  std::mt19937_64 random_;
+  std::vector<SplitMix> random_;
   std::vector<double> sums_;  ///< Of each replicate.
   std::vector<uint32_t> samples_;
 };
