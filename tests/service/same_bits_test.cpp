@@ -1,7 +1,9 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
-#include <algorithm>
+#include <string>
+#include <tuple>
+#include <vector>
 
 #include "tests/service/farm_under_test.h"
 
@@ -16,61 +18,99 @@ Digest Reference(const TestScene& scene) {
   return digest.value_or(Digest{});
 }
 
-/// In-process and over TCP.
-void ExpectSameEverywhere(const TestScene& scene) {
-  const Digest reference = Reference(scene);
-  const struct {
-    int workers;
-    uint32_t threads;
+/// More than one tile of any size, the last ones thin, each in two pieces.
+TestScene Small(TestScene scene) {
+  scene.spec.width = 66;
+  scene.spec.height = 34;
+  scene.spec.crop = {0, 0, 66, 34};
+  scene.spec.spp = 24;
+  scene.spec.max_depth = 3;
+  return scene;
+}
+
+struct KnownScene {
+  TestScene scene;
+  Digest digest;
+};
+
+/// Submits each scene with tiles of every size, all at once, so that jobs mix on the workers.
+void ExpectSameBits(FarmClient& client, const std::vector<KnownScene>& scenes,
+                    const std::string& farm) {
+  struct Submitted {
+    const KnownScene* known;
     int tile;
-  } farms[] = {{1, 4, 16}, {2, 1, 64}, {3, 4, 32}, {7, 1, 16}};
-  for (const auto& [workers, threads, tile] : farms) {
-    TestScene job = scene;
-    job.spec.tile = tile;
-    InProcessFarm local(workers, threads);
-    const absl::StatusOr<Digest> digest = RunJob(local.client(), job);
-    ASSERT_TRUE(digest.ok()) << digest.status().message();
-    EXPECT_EQ(digest->Hex(), reference.Hex())
-        << "in-process: " << workers << " x " << threads << ", tile " << tile;
+    JobId job;
+  };
+  std::vector<Submitted> all;
+  for (const KnownScene& known : scenes) {
+    for (const int tile : {16, 32, 64}) {
+      TestScene scene = known.scene;
+      scene.spec.tile = tile;
+      const absl::StatusOr<JobId> job = SubmitJob(client, scene);
+      ASSERT_TRUE(job.ok()) << job.status().message();
+      all.push_back({&known, tile, *job});
+    }
   }
-  for (const auto& [workers, threads, tile] : {farms[0], farms[1], farms[3]}) {
-    TestScene job = scene;
-    job.spec.tile = tile;
-    TcpFarm farm;
-    for (int i = 0; i < workers; ++i) farm.StartWorker(threads);
-    ASSERT_TRUE(farm.AwaitWorkers(static_cast<size_t>(workers))) << farm.Logs();
-    const absl::StatusOr<Digest> digest = RunJob(farm.client(), job);
-    ASSERT_TRUE(digest.ok()) << digest.status().message() << farm.Logs();
-    EXPECT_EQ(digest->Hex(), reference.Hex())
-        << "TCP: " << workers << " x " << threads << ", tile " << tile;
+  for (const auto& [known, tile, job] : all) {
+    const absl::StatusOr<JobStatus> end = AwaitEnd(client, job);
+    ASSERT_TRUE(end.ok()) << end.status().message();
+    ASSERT_EQ(end->state, JobState::kDone) << end->message;
+    EXPECT_EQ(end->result.Hex(), known->digest.Hex())
+        << known->scene.spec.name << " on " << farm << ", tile " << tile;
   }
-  TestScene other = scene;
-  other.spec.seed = scene.spec.seed + 1;
-  EXPECT_NE(Reference(other).Hex(), reference.Hex()) << "another seed must show";
 }
 
-class SameBits : public testing::TestWithParam<const char*> {};
+enum class Transport { kInProcess, kTcp };
 
-TEST_P(SameBits, OnAnyFarm) {
-  const std::optional<TestScene> scene = SharedScene(GetParam());
-  if (!scene) GTEST_SKIP() << "the shared scene " << GetParam() << " is not there";
-  ExpectSameEverywhere(*scene);
+/// Every number of workers and of their threads, over either transport, on each scene.
+class EveryFarm : public testing::TestWithParam<std::tuple<Transport, int>> {};
+
+TEST_P(EveryFarm, GivesTheSameBits) {
+  const auto [transport, workers] = GetParam();
+  std::vector<TestScene> scenes = {OwnScene("cornell-box/cornell-box.pbrt"),
+                                   OwnScene("textures/textures.pbrt")};
+  const std::optional<TestScene> coffee = SharedScene("coffee");
+  if (coffee) scenes.push_back(*coffee);
+  std::vector<KnownScene> known;
+  for (const TestScene& scene : scenes) known.push_back({Small(scene), Reference(Small(scene))});
+
+  for (const uint32_t threads : {1, 4}) {
+    const std::string name = absl::StrCat(workers, " workers of ", threads, " threads");
+    if (transport == Transport::kInProcess) {
+      InProcessFarm farm(workers, threads);
+      ExpectSameBits(farm.client(), known, name);
+    } else {
+      TcpFarm farm;
+      for (int i = 0; i < workers; ++i) farm.StartWorker(threads);
+      ASSERT_TRUE(farm.AwaitWorkers(static_cast<size_t>(workers))) << farm.Logs();
+      ExpectSameBits(farm.client(), known, name);
+      if (HasFailure()) ADD_FAILURE() << farm.Logs();
+    }
+  }
+  if (!coffee) GTEST_SKIP() << "the shared scene coffee is not there; the project's own agree";
 }
 
-INSTANTIATE_TEST_SUITE_P(SharedScenes, SameBits,
-                         testing::Values("cornell-box", "coffee", "staircase2"),
+INSTANTIATE_TEST_SUITE_P(SameBits, EveryFarm,
+                         testing::Combine(testing::Values(Transport::kInProcess, Transport::kTcp),
+                                          testing::Values(1, 2, 3, 7)),
                          [](const auto& info) {
-                           std::string name = info.param;
-                           std::replace(name.begin(), name.end(), '-', '_');
-                           return name;
+                           const bool tcp = std::get<0>(info.param) == Transport::kTcp;
+                           return absl::StrCat(tcp ? "Tcp" : "InProcess", std::get<1>(info.param));
                          });
 
-/// A job that takes a few seconds of one thread, so that there is time to disturb it.
+TEST(SameBits, NotWithAnotherSeed) {
+  const TestScene scene = Small(OwnScene("cornell-box/cornell-box.pbrt"));
+  TestScene other = scene;
+  ++other.spec.seed;
+  EXPECT_NE(Reference(other).Hex(), Reference(scene).Hex());
+}
+
+/// A job that takes seconds of one thread, so that there is time to disturb it.
 TestScene LongJob() {
   TestScene scene = OwnScene("cornell-box/cornell-box.pbrt");
   scene.spec.width = scene.spec.height = 96;
   scene.spec.crop = {0, 0, 96, 96};
-  scene.spec.spp = 256;
+  scene.spec.spp = 128;
   scene.spec.tile = 16;
   return scene;
 }
@@ -101,7 +141,7 @@ TEST(SameBits, WithWorkersKilledAndJoinedWhileItRenders) {
   ASSERT_EQ(end->state, JobState::kDone) << end->message << farm.Logs();
   EXPECT_EQ(end->result.Hex(), reference.Hex());
   // What was rendered twice is counted once.
-  EXPECT_EQ(end->samples, 96u * 96u * 256u);
+  EXPECT_EQ(end->samples, 96u * 96u * 128u);
 }
 
 TEST(SameBits, WithAWorkerStoppedAndContinued) {
