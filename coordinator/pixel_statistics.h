@@ -30,7 +30,7 @@ struct PixelStatistics {
   std::vector<uint8_t> nonfinite;          ///< Whether the pixel had a sample that was not finite.
 };
 
-/// Requires samples in every pixel of the film.
+/// Requires samples in every pixel of the film. Uses all cores, as a 4K film is 2 GB.
 PixelStatistics GatherPixelStatistics(const Film& film);
 
 }  // namespace strata
