@@ -1,5 +1,5 @@
 // Whether the errors that are claimed are the errors that are made: a crop of a scene under many
-// seeds, for several allocations, and as someone sees it who watches. See README.md beside it.
+// seeds, for several allocations, and as someone sees it who watches. docs/accuracy.md has figures.
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
@@ -74,7 +74,6 @@ class Bench {
     Trials trials;
     for (int i = 0; i < renders; ++i) {
       JobSpec spec = spec_;
-      spec.allocation = allocation.kind;
       spec.seed = first_seed + static_cast<uint64_t>(i);
       STRATA_ASSIGN_OR_RETURN(const RenderUnit render, MakeRenderer(spec));
       STRATA_ASSIGN_OR_RETURN(Trial trial, RenderTrial(spec, allocation, render));
@@ -116,6 +115,7 @@ class Bench {
       JobSpec spec = spec_;
       spec.spp = options_.watch_spp;
       spec.seed = first_seed + static_cast<uint64_t>(i);
+      STRATA_RETURN_IF_ERROR(ValidateJobSpec(spec));
       const RoundPlan plan = PlanFirstRound(spec);
       factor = AnytimeFactor(kReplicates * plan.classes[0].pieces[0].Count(), spec.spp);
       looks = static_cast<double>(plan.classes[0].pieces.size());

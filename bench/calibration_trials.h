@@ -109,9 +109,10 @@ inline Trial TrialOf(const Film& film, const PixelRect& crop) {
   return trial;
 }
 
-/// `spec.allocation` must be that of the allocation.
-inline absl::StatusOr<Trial> RenderTrial(const JobSpec& spec, const Allocation& allocation,
+/// `render` must be for `spec`, whose own allocation does not count.
+inline absl::StatusOr<Trial> RenderTrial(JobSpec spec, const Allocation& allocation,
                                          const RenderUnit& render) {
+  spec.allocation = allocation.kind;
   STRATA_ASSIGN_OR_RETURN(const auto film, UnnamedFilm(spec));
   STRATA_RETURN_IF_ERROR(RenderRound(PlanFirst(spec, allocation), render, *film));
   if (const auto plan = PlanSecond(spec, allocation, *film)) {

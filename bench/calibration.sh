@@ -1,0 +1,50 @@
+#!/usr/bin/env bash
+# The figures of docs/accuracy.md, "Intervals, allocation": crops of four shared scenes and a scene
+# of fireflies. Prints as it goes; a quiet machine of two cores takes hours at the full size.
+#
+#   bench/calibration.sh [SCENE...]      default: all
+#
+# RENDERS=250 TRIALS=40 take fewer seeds for coverage and for efficiency than the full 1000 and 200.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+bench=${STRATA_BIN:-build/release/bin}/bench_calibration
+shared=${STRATA_SHARED:-../shared}/scenes/pbrt
+renders=${RENDERS:-1000}
+trials=${TRIALS:-200}
+
+# Frames so small that 32x32 pixels hold edges, shadows and lamps or their reflections.
+declare -A crops=(
+  [cornell-box]="--resolution 64x64 --crop 4,2,36,34"
+  [veach-mis]="--resolution 80x45 --crop 32,4,64,36"
+  [coffee]="--resolution 64x80 --crop 16,30,48,62"
+  [staircase2]="--resolution 64x64 --crop 4,20,36,52"
+)
+
+normal() {  # The control of the bench itself.
+  "$bench" normal --allocation uniform,ring,greedy --renders 250 --truth-renders 1000 \
+    --watch-spp 4096 --watch-renders 5
+}
+
+fireflies() {
+  "$bench" scenes/fireflies/fireflies.pbrt --bsdf-only --resolution 32x32 --crop 0,0,32,32 \
+    --spp 64 --allocation uniform,ring,greedy --renders 800 --truth-renders 2400
+}
+
+shared_scene() {
+  # shellcheck disable=SC2206  # Words on purpose.
+  local scene=("$shared/$1/scene.pbrt" ${crops[$1]})
+  "$bench" "${scene[@]}" --spp 256 --allocation ring --renders "$renders" \
+    --truth-renders "$renders" --watch-spp 4096 --watch-renders 5
+  "$bench" "${scene[@]}" --spp 128 --allocation ring-mse,greedy-mse,neyman,oracle \
+    --renders "$trials" --truth-renders $((2 * trials))
+  "$bench" "${scene[@]}" --spp 64 --truth-renders "$trials"
+  "$bench" "${scene[@]}" --spp 1024 --truth-renders 8
+}
+
+(($#)) || set -- normal fireflies cornell-box veach-mis coffee staircase2
+for scene in "$@"; do
+  case $scene in
+    normal | fireflies) "$scene" ;;
+    *) shared_scene "$scene" ;;
+  esac
+done
