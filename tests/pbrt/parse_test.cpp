@@ -320,7 +320,7 @@ TEST(Lights, StandInTheWorld) {
   const auto point = LightOf<PointLightDescription>(
       World("Translate 1 2 3 LightSource \"point\" \"point3 from\" [ 0 0 1 ] \"rgb I\" [ 1 2 3 ] "
             "\"float scale\" 2"));
-  EXPECT_EQ(point.position, (Vec3f{1, 2, 4}));
+  EXPECT_EQ(point.position, (Vec3d{1, 2, 4}));
   EXPECT_EQ(point.intensity, (Rgb{2, 4, 6}));
   // Power is spread over the sphere of directions.
   const auto powered =

@@ -64,21 +64,16 @@ Box BoundsOf(const ShapeGroup& group) {
       box.Include(ToDouble(group.triangles.positions[vertex]));
   }
   for (const CurvedShape& shape : group.curved) {
-    const Box shape_box = BoundsOf(shape);
-    box.Include(shape_box.min);
-    box.Include(shape_box.max);
+    box.Include(BoundsOf(shape));
   }
   return box;
 }
 
 Box BoundsOf(const Instance& instance, const Box& object) {
   Box box;
-  for (int corner = 0; corner < 8 && !object.Empty(); ++corner) {
-    box.Include(Placement::Point(
-        instance.placement.to_world,
-        {corner & 1 ? object.max.x : object.min.x, corner & 2 ? object.max.y : object.min.y,
-         corner & 4 ? object.max.z : object.min.z}));
-  }
+  if (object.Empty()) return box;
+  for (const Vec3d& corner : object.Corners())
+    box.Include(Placement::Point(instance.placement.to_world, corner));
   return box;
 }
 
@@ -170,9 +165,7 @@ absl::StatusOr<std::unique_ptr<Geometry>> Geometry::Build(const SceneDescription
   for (size_t i = 0; i < state.instances.size(); ++i) {
     const Instance& instance = state.instances[i];
     AttachInstance(state.device, state.world.scene, instance, static_cast<uint32_t>(i));
-    const Box box = BoundsOf(instance, object_bounds[instance.object]);
-    bounds.Include(box.min);
-    bounds.Include(box.max);
+    bounds.Include(BoundsOf(instance, object_bounds[instance.object]));
   }
   rtcCommitScene(state.world.scene);
   STRATA_RETURN_IF_ERROR(CheckDevice(state.device, "building the scene's hierarchy"));

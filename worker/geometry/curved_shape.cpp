@@ -95,12 +95,8 @@ double AreaOf(const CurvedShape& shape) {
 Box BoundsOf(const CurvedShape& shape) {
   const Box local = std::visit([](const auto& s) { return BoundsOf(s); }, shape.surface);
   Box box;
-  for (int corner = 0; corner < 8; ++corner) {
-    box.Include(Placement::Point(
-        shape.placement.to_world,
-        {corner & 1 ? local.max.x : local.min.x, corner & 2 ? local.max.y : local.min.y,
-         corner & 4 ? local.max.z : local.min.z}));
-  }
+  for (const Vec3d& corner : local.Corners())
+    box.Include(Placement::Point(shape.placement.to_world, corner));
   return box;
 }
 

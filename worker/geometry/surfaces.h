@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "worker/geometry/vec3d.h"
+#include "worker/math/box.h"
 #include "worker/scene/description.h"
 
 // Curved surfaces in their own space, in double. Each kind is a plain struct, made from its
@@ -42,15 +43,6 @@ struct LocalPoint {
   Vec3d ns;  ///< Unit; ng where the surface has no other.
   Vec3d dpdu;
   Vec2d uv;
-};
-
-struct Box {
-  Vec3d min = {1e300, 1e300, 1e300}, max = {-1e300, -1e300, -1e300};
-  void Include(Vec3d p) {
-    min = {std::min(min.x, p.x), std::min(min.y, p.y), std::min(min.z, p.z)};
-    max = {std::max(max.x, p.x), std::max(max.y, p.y), std::max(max.z, p.z)};
-  }
-  bool Empty() const { return min.x > max.x; }
 };
 
 /// The angles [0, phi_max] around z, tested without an arc tangent.

@@ -9,10 +9,16 @@ namespace {
 std::string Text(Rgb c) { return absl::StrFormat("(%.6g %.6g %.6g)", c.r, c.g, c.b); }
 std::string Text(Vec3f v) { return absl::StrFormat("(%.6g %.6g %.6g)", v.x, v.y, v.z); }
 
+/// A position in the file's world.
+std::string PositionText(Vec3d origin, Vec3f p) {
+  return absl::StrFormat("(%.9g %.9g %.9g)", origin.x + p.x, origin.y + p.y, origin.z + p.z);
+}
+
 /// Writes down every event of a path, a line each.
 class ReplayObserver {
  public:
-  explicit ReplayObserver(std::string* text) : text_(text) {}
+  /// `origin` is the scene's.
+  ReplayObserver(Vec3d origin, std::string* text) : origin_(origin), text_(text) {}
 
   void OnMiss(const Ray& ray, Rgb radiance, float weight) {
     absl::StrAppendFormat(text_, "leaves the scene towards %s: environment %s, MIS weight %.6g\n",
@@ -24,8 +30,8 @@ class ReplayObserver {
                           "vertex %d at %s, reached from %s\n"
                           "  material %d, normal %s, shading normal %s, uv (%.6g %.6g)\n"
                           "  throughput %s\n",
-                          depth, Text(point.p), Text(ray.origin), point.material, Text(point.ng),
-                          Text(vertex.frame.z), point.uv.x, point.uv.y, Text(beta));
+                          depth, InFile(point.p), InFile(ray.origin), point.material,
+                          Text(point.ng), Text(vertex.frame.z), point.uv.x, point.uv.y, Text(beta));
   }
   void OnEmission(int light, Rgb radiance, float weight) {
     absl::StrAppendFormat(text_, "meets light %d: emits %s, MIS weight %.6g\n", light,
@@ -56,6 +62,9 @@ class ReplayObserver {
   }
 
  private:
+  std::string InFile(Vec3f p) const { return PositionText(origin_, p); }
+
+  Vec3d origin_;
   std::string* text_;
 };
 
@@ -76,9 +85,9 @@ std::string Renderer::State::ReplaySample(int x, int y, uint32_t replicate, uint
   std::string text = absl::StrFormat(
       "pixel (%d, %d), replicate %d, sample %d, seed %d, frame %d\n"
       "camera ray from %s towards %s, filter weight %.6g\n",
-      x, y, replicate, sample, spec.seed, spec.frame, Text(ray.origin), Text(ray.direction),
-      weight);
-  ReplayObserver observer(&text);
+      x, y, replicate, sample, spec.seed, spec.frame, PositionText(scene->origin(), ray.origin),
+      Text(ray.direction), weight);
+  ReplayObserver observer(scene->origin(), &text);
   const PathSample result = PathTracer(*scene, settings, sampler, observer).Trace(ray);
   const Rgb value = result.radiance * weight;
   absl::StrAppendFormat(&text, "value %s from %d rays%s\n", Text(value), result.rays,

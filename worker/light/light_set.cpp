@@ -4,6 +4,8 @@
 #include <numeric>
 #include <utility>
 
+#include "worker/geometry/vec3d.h"
+
 namespace strata {
 namespace {
 
@@ -58,7 +60,7 @@ absl::StatusOr<LightSet> LightSet::Build(const SceneDescription& scene, const Ge
   const double radius = SceneRadius(geometry);
   for (const LightDescription& description : scene.lights) {
     if (const auto* point = std::get_if<PointLightDescription>(&description.light)) {
-      set.lights_.push_back(PointLight{point->position, point->intensity});
+      set.lights_.push_back(PointLight{ToFloat(point->position), point->intensity});
       powers.push_back(4 * kPiDouble * Luminance(point->intensity));
     } else if (const auto* distant = std::get_if<DistantLightDescription>(&description.light)) {
       set.lights_.push_back(DistantLight{distant->direction, distant->irradiance});

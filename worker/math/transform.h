@@ -9,6 +9,7 @@ namespace strata {
 
 struct Vec3d {
   double x = 0, y = 0, z = 0;
+  bool operator==(const Vec3d&) const = default;
 };
 
 /// An affine or projective map in double, row-major, acting on column vectors: p' = M p.

@@ -35,9 +35,8 @@ absl::StatusOr<LightDescription> ReadPoint(const Transform& world_from_light,
   }
   const Vec3d from = world_from_light.Point(ToDouble(parameters.Point3("from").value_or(Vec3f{})));
   if (!IsFinite(from)) return ErrorAt(parameters.where(), "the light is infinitely far away");
-  return LightDescription{
-      parameters.where(),
-      PointLightDescription{ToFloat(from), intensity * static_cast<float>(scale)}};
+  return LightDescription{parameters.where(),
+                          PointLightDescription{from, intensity * static_cast<float>(scale)}};
 }
 
 absl::StatusOr<LightDescription> ReadDistant(const Transform& world_from_light,

@@ -5,6 +5,7 @@
 
 #include "worker/pbrt/entities.h"
 #include "worker/pbrt/ply.h"
+#include "worker/scene/recentre.h"
 
 namespace strata {
 namespace {
@@ -187,34 +188,6 @@ absl::StatusOr<ShapeGeometry> ReadGeometry(const std::string& type, ParameterRea
   return ErrorAt(parameters.where(), StrCat("unknown Shape \"", type, "\""));
 }
 
-/// The corners of the shape's bounds, in its own space.
-struct ShapeBounds {
-  Vec3f min, max;
-};
-
-ShapeBounds BoundsOf(const std::vector<Vec3f>& points) {
-  constexpr float kInfinity = std::numeric_limits<float>::infinity();
-  ShapeBounds bounds{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
-  for (const Vec3f& p : points) {
-    bounds.min = {std::min(bounds.min.x, p.x), std::min(bounds.min.y, p.y),
-                  std::min(bounds.min.z, p.z)};
-    bounds.max = {std::max(bounds.max.x, p.x), std::max(bounds.max.y, p.y),
-                  std::max(bounds.max.z, p.z)};
-  }
-  return bounds;
-}
-ShapeBounds BoundsOf(const TriangleMeshShape& s) { return BoundsOf(s.positions); }
-ShapeBounds BoundsOf(const BilinearPatchShape& s) { return BoundsOf(s.positions); }
-ShapeBounds BoundsOf(const SphereShape& s) {
-  return {{-s.radius, -s.radius, s.z_min}, {s.radius, s.radius, s.z_max}};
-}
-ShapeBounds BoundsOf(const DiskShape& s) {
-  return {{-s.radius, -s.radius, s.height}, {s.radius, s.radius, s.height}};
-}
-ShapeBounds BoundsOf(const CylinderShape& s) {
-  return {{-s.radius, -s.radius, s.z_min}, {s.radius, s.radius, s.z_max}};
-}
-
 bool FitsFloat(Vec3d p) {
   const auto fits = [](double x) { return std::fabs(x) <= std::numeric_limits<float>::max() / 4; };
   return fits(p.x) && fits(p.y) && fits(p.z);
@@ -247,15 +220,9 @@ absl::Status CheckPlacement(const ShapeGeometry& geometry, const Transform& to_w
   if (!to_world.IsFinite() || !to_world.Inverse()) {
     return ErrorAt(where, "the shape's transform cannot be inverted; check its scale");
   }
-  const ShapeBounds bounds =
-      std::visit([](const auto& shape) { return BoundsOf(shape); }, geometry);
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3d p = to_world.Point({corner & 1 ? bounds.max.x : bounds.min.x,
-                                    corner & 2 ? bounds.max.y : bounds.min.y,
-                                    corner & 4 ? bounds.max.z : bounds.min.z});
-    if (!FitsFloat(p)) {
-      return ErrorAt(where, "the shape is too large or too far away to be computed with");
-    }
+  const Box bounds = BoundsOf(geometry, to_world);
+  if (!FitsFloat(bounds.min) || !FitsFloat(bounds.max)) {
+    return ErrorAt(where, "the shape is too large or too far away to be computed with");
   }
   return absl::OkStatus();
 }

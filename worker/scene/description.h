@@ -178,7 +178,7 @@ struct InstanceDescription {
 // ---- lights other than emissive shapes ----
 
 struct PointLightDescription {
-  Vec3f position;  ///< World.
+  Vec3d position;  ///< World.
   Rgb intensity;
 };
 struct DistantLightDescription {

@@ -4,12 +4,14 @@
 
 #include "worker/integrator/render.h"
 #include "worker/pbrt/reader.h"
+#include "worker/scene/recentre.h"
 
 namespace strata {
 
 absl::StatusOr<std::shared_ptr<const Scene>> Scene::Build(SceneDescription description,
                                                           const FileSource& source) {
   std::shared_ptr<Scene> scene(new Scene());
+  scene->origin_ = Recentre(description);
   scene->camera_ = description.camera;
   scene->defaults_ = description.defaults;
   STRATA_ASSIGN_OR_RETURN(scene->geometry_, Geometry::Build(description));

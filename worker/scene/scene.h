@@ -24,11 +24,14 @@ class Scene {
   const MaterialSet& materials() const { return *materials_; }
   const LightSet& lights() const { return *lights_; }
   const CameraDescription& camera() const { return camera_; }
+  /// Where the origin of all coordinates here lies in the file's world: see Recentre.
+  Vec3d origin() const { return origin_; }
   const FrameDefaults& defaults() const { return defaults_; }
 
  private:
   Scene() = default;
 
+  Vec3d origin_;
   CameraDescription camera_;
   FrameDefaults defaults_;
   std::unique_ptr<Geometry> geometry_;

@@ -1,0 +1,98 @@
+#include "worker/scene/recentre.h"
+
+#include <algorithm>
+#include <cmath>
+#include <variant>
+
+#include "worker/math/box.h"
+
+namespace strata {
+namespace {
+
+Box BoundsOf(const std::vector<Vec3f>& positions) {
+  Box box;
+  for (const Vec3f& p : positions) box.Include(Vec3d{p.x, p.y, p.z});
+  return box;
+}
+Box BoundsOf(const TriangleMeshShape& s) { return BoundsOf(s.positions); }
+Box BoundsOf(const BilinearPatchShape& s) { return BoundsOf(s.positions); }
+Box BoundsOf(const SphereShape& s) {
+  return {{-s.radius, -s.radius, s.z_min}, {s.radius, s.radius, s.z_max}};
+}
+Box BoundsOf(const DiskShape& s) {
+  return {{-s.radius, -s.radius, s.height}, {s.radius, s.radius, s.height}};
+}
+Box BoundsOf(const CylinderShape& s) {
+  return {{-s.radius, -s.radius, s.z_min}, {s.radius, s.radius, s.z_max}};
+}
+
+/// A box around `box` taken through `to`.
+Box Placed(const Box& box, const Transform& to) {
+  Box placed;
+  if (box.Empty()) return placed;
+  for (const Vec3d& corner : box.Corners()) placed.Include(to.Point(corner));
+  return placed;
+}
+
+Box BoundsOf(const std::vector<ShapeDescription>& shapes) {
+  Box box;
+  for (const ShapeDescription& shape : shapes)
+    box.Include(BoundsOf(shape.geometry, shape.to_world));
+  return box;
+}
+
+Box BoundsOf(const SceneDescription& scene) {
+  Box box = BoundsOf(scene.shapes);
+  std::vector<Box> objects;
+  for (const ObjectDescription& object : scene.objects) objects.push_back(BoundsOf(object.shapes));
+  for (const InstanceDescription& instance : scene.instances) {
+    const size_t object = static_cast<size_t>(instance.object);
+    if (object < objects.size()) box.Include(Placed(objects[object], instance.to_world));
+  }
+  return box;
+}
+
+/// The origin that Recentre moves to; the old one for a scene without shapes or beyond all numbers.
+Vec3d OriginOf(const SceneDescription& scene) {
+  const Box box = BoundsOf(scene);
+  if (box.Empty()) return {};
+  const Vec3d eye = scene.camera.camera_to_world.Point({0, 0, 0});
+  const double extent =
+      std::max({box.max.x - box.min.x, box.max.y - box.min.y, box.max.z - box.min.z});
+  const double step = extent > 0 ? std::ldexp(1.0, std::ilogb(extent) - 20) : 0;
+  const auto nearest = [&](double x, double min, double max) {
+    const double inside = std::clamp(x, min, max);
+    return step > 0 ? std::floor(inside / step + 0.5) * step : inside;
+  };
+  const Vec3d origin = {nearest(eye.x, box.min.x, box.max.x), nearest(eye.y, box.min.y, box.max.y),
+                        nearest(eye.z, box.min.z, box.max.z)};
+  const bool finite = std::isfinite(origin.x) && std::isfinite(origin.y) && std::isfinite(origin.z);
+  return finite ? origin : Vec3d{};
+}
+
+}  // namespace
+
+Box BoundsOf(const ShapeGeometry& shape, const Transform& to) {
+  return Placed(std::visit([](const auto& s) { return BoundsOf(s); }, shape), to);
+}
+
+Vec3d Recentre(SceneDescription& scene) {
+  const Vec3d origin = OriginOf(scene);
+  const Transform to_new = Transform::Translate(-origin.x, -origin.y, -origin.z);
+  const Transform to_file = Transform::Translate(origin.x, origin.y, origin.z);
+  scene.camera.camera_to_world = to_new * scene.camera.camera_to_world;
+  for (ShapeDescription& shape : scene.shapes) shape.to_world = to_new * shape.to_world;
+  for (InstanceDescription& instance : scene.instances)
+    instance.to_world = to_new * instance.to_world;
+  for (LightDescription& light : scene.lights) {
+    if (auto* point = std::get_if<PointLightDescription>(&light.light))
+      point->position = to_new.Point(point->position);
+  }
+  for (TextureDescription& texture : scene.textures) {
+    if (auto* checkerboard = std::get_if<CheckerboardTexture>(&texture))
+      checkerboard->world_to_texture = checkerboard->world_to_texture * to_file;
+  }
+  return origin;
+}
+
+}  // namespace strata
