@@ -28,7 +28,8 @@ namespace strata {
 using Light = std::variant<TriangleLight, SphereLight, ShapeLight, ConstantEnvironment,
                            ImageEnvironment, PointLight, DistantLight>;
 
-/// The lights of a scene and how one of them is chosen: by its power. Immutable.
+/// The lights of a scene and how one of them is chosen: by its power, and now and then
+/// any that shines. Immutable.
 class LightSet {
  public:
   /// `geometry` must outlive the set. Errors name the light's place in the scene file.

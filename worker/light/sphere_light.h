@@ -89,8 +89,9 @@ inline std::optional<LightSample> SampleLi(const SphereLight& light, Vec3f from,
   const float sin2 = local.x * local.x + local.y * local.y;
   const float half_chord = std::sqrt(std::max(0.0f, radius2 - distance2 * sin2));
   const Vec3f n = Normalize(sample.wi * (distance * local.z - half_chord) - to_center);
-  sample.radiance = Le(light, sphere_light_detail::OuterNormal(light, n), -sample.wi);
-  if (IsBlack(sample.radiance)) return std::nullopt;
+  // From outside the emitting side alone is seen. Its normal would not tell: for a small sphere
+  // the rounding of the direction moves the point by a part of the radius.
+  sample.radiance = light.radiance;
   const Vec3f p = light.center + n * light.radius;
   sample.end = OffsetRayOrigin(p, sphere_light_detail::PointError(light, n), n, -sample.wi);
   return sample;
