@@ -22,32 +22,46 @@ std::vector<double> SumOfChannels(const PixelStatistics& statistics) {
   return sum;
 }
 
-/// What a pixel's share is made of, at its place: sqrt(variance / cost), and the luminance it is
-/// divided by.
-struct Shares {
-  std::vector<double> deviation, luminance;
+enum class Pool { kRing, kOwnPixel };
 
-  /// s of a pixel if relative errors count from `least_luminance` on. In an image without light
-  /// no error is relative.
-  double Share(size_t i, double least_luminance) const {
-    if (!(least_luminance > 0)) return deviation[i];
-    return deviation[i] / std::max(luminance[i], least_luminance);
+/// s = sqrt(weight variance / cost) of each pixel, as its ring shows it or, for the control,
+/// itself.
+class Shares {
+ public:
+  Shares(const PixelStatistics& pilot, AllocationGoal goal, Pool pool)
+      : size_(pilot.size),
+        pool_(pool),
+        luminance_(pilot.luminance),
+        variance_(SumOfChannels(pilot)),
+        cost_(size_.Pixels(), 1.0) {
+    if (goal == AllocationGoal::kRelativeError) cost_ = Pooled(pilot.rays);
   }
-  void Fill(std::vector<double>& plane, double least_luminance) const {
-    plane.resize(deviation.size());
-    for (size_t i = 0; i < plane.size(); ++i) plane[i] = Share(i, least_luminance);
+
+  /// If relative errors count from `floor` on; 0: errors count as they are, as in an image without
+  /// light.
+  void Fill(std::vector<double>& plane, double floor) const {
+    plane = variance_;
+    if (floor > 0) {
+      for (size_t i = 0; i < plane.size(); ++i) {
+        const double scale = 1 / std::max(luminance_[i], floor);
+        plane[i] *= scale * scale;
+      }
+    }
+    plane = Pooled(plane);
+    for (size_t i = 0; i < plane.size(); ++i)
+      plane[i] = std::sqrt(plane[i] / std::max(cost_[i], 1.0));
   }
+
+ private:
+  std::vector<double> Pooled(const std::vector<double>& plane) const {
+    return pool_ == Pool::kRing ? RingMeans(size_, plane) : plane;
+  }
+
+  PlaneSize size_;
+  Pool pool_;
+  const std::vector<double>& luminance_;
+  std::vector<double> variance_, cost_;
 };
-
-Shares SharesOf(std::vector<double> variance, const std::vector<double>& rays,
-                std::vector<double> luminance, AllocationGoal goal) {
-  Shares shares{std::move(variance), std::move(luminance)};
-  for (size_t i = 0; i < shares.deviation.size(); ++i) {
-    const double cost = goal == AllocationGoal::kRelativeError ? std::max(rays[i], 1.0) : 1.0;
-    shares.deviation[i] = std::sqrt(shares.deviation[i] / cost);
-  }
-  return shares;
-}
 
 /// Samples of each replicate for a share, given the mean of all shares.
 class Rounding {
@@ -90,8 +104,7 @@ std::vector<uint32_t> AllocateByRing(const PixelStatistics& pilot, uint32_t spp,
   std::vector<uint32_t> counts(size.Pixels(), spp / kReplicates);
   if (PilotSamples(size, spp) == spp) return counts;
 
-  const Shares shares = SharesOf(RingMeans(size, SumOfChannels(pilot)), RingMeans(size, pilot.rays),
-                                 RingMeans(size, pilot.luminance), goal);
+  const Shares shares(pilot, goal, Pool::kRing);
   const std::vector<double> floors = goal == AllocationGoal::kRelativeError
                                          ? LuminanceFloors(pilot)
                                          : std::vector<double>(size.Pixels());
@@ -116,7 +129,7 @@ std::vector<uint32_t> AllocateByOwnPixel(const PixelStatistics& pilot, uint32_t 
                            ? kLeastShareOfMean * std::max(Mean(pilot.luminance), 0.0)
                            : 0.0;
   std::vector<double> plane;
-  SharesOf(SumOfChannels(pilot), pilot.rays, pilot.luminance, goal).Fill(plane, least);
+  Shares(pilot, goal, Pool::kOwnPixel).Fill(plane, least);
   const double mean = Mean(plane);
   const Rounding rounding(pilot.size, spp);
   for (size_t i = 0; i < counts.size(); ++i) counts[i] = rounding.Count(plane[i], mean);

@@ -11,14 +11,15 @@
 //   n_p = n0 + (N - n0) s_p / mean(s_q over q outside of p's 5x5),  s = sqrt(weight variance /
 //   cost)
 // in all, with N the wanted average, at most 8 N, rounded to multiples of 8. Neyman's allocation
-// (1934) has s known; here it is pooled over the 5x5 ring around the pixel without the pixel.
+// (1934) has s known; here weight times variance, and the cost, are pooled over the 5x5 ring around
+// the pixel without the pixel. The product and not each factor: beside a lamp the variance of a
+// bright pixel does not go with the weight of a dark one.
 //
 // Unbiased, exactly: the samples of p do not enter n_p in any way, and pixels are independent, so
 // that given n_p the samples of p are distributed as if n_p had been fixed beforehand.
 //  - s_p is from the ring, which leaves p out.
-//  - s_q for q outside of p's 5x5 is from q's ring. Its pixels are at most 2 away from q and thus
-//  at
-//    least 1 away from p.
+//  - s_q for q outside of p's 5x5 is from q's ring. Its pixels are at most 2 away from q, and thus
+//    at least 1 away from p.
 //  - The weight 1/max(luminance, 5 % of the image mean)^2 needs an image mean. Left to q, as the
 //    mean without q's 5x5, it would have p in it. Hence n_p is made throughout, for s_p and for all
 //    s_q, with one image mean, that without *p's* 5x5 (luminance_floor.h).

@@ -48,10 +48,10 @@ struct TargetRound {
 TargetRound PlanCap(const PixelStatistics& now, uint32_t spp);
 
 /// `--error`: t(50, 0.975) sqrt(v / n) of every channel is at most `error` times max(luminance, 5 %
-/// of the image mean) for 99 % of the pixels, with v and luminance pooled over the pixel's ring.
-/// Pixels with samples that were not finite are not judged. The cap `spp` is for each pixel, hence
-/// for the average too. The pixels that need most, one in two hundred, get as much as the one after
-/// them. Requires error > 0 and `spp` a multiple of 8.
+/// of the image mean) for 99 % of the pixels, with v over the squared luminance pooled over the
+/// pixel's ring. Pixels with samples that were not finite are not judged. The cap `spp` is for each
+/// pixel, hence for the average too. The pixels that need most, one in two hundred, get as much as
+/// the one after them. Requires error > 0 and `spp` a multiple of 8.
 TargetRound PlanForRelativeError(const PixelStatistics& now, double error, uint32_t spp);
 
 /// `--rmse`: sqrt of the mean of stderr^2 over all pixels and channels is at most `rmse`, in the

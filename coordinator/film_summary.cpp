@@ -3,15 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "coordinator/pixel_statistics.h"
+
 namespace strata {
 namespace {
 
 constexpr double kRelErrorQuantile = 0.99;
-constexpr double kLeastShareOfMean = 0.05;
 constexpr size_t kWorstTiles = 5;
-
-/// Rec.709 luminance.
-double Luminance(const double rgb[]) { return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]; }
 
 /// The smallest value that at least a share of all values does not exceed. Reorders them.
 double Quantile(std::vector<float>& values, double share) {

@@ -299,12 +299,12 @@ Bias BiasOf(Plan plan, double target) {
 // 3.3 standard errors of renders, which are independent: p = 0.001.
 TEST(TargetBiasTest, LaterRoundsHaveNoneThatShows) {
   for (const auto& [name, plan, target] :
-       {std::tuple<const char*, Plan, double>{"error", &PlanForRelativeError, 0.4},
+       {std::tuple<const char*, Plan, double>{"error", &PlanForRelativeError, 0.5},
         std::tuple<const char*, Plan, double>{"rmse", &PlanForRmse, 0.04}}) {
     const Bias bias = BiasOf(plan, target);
     std::printf("%s: %.4f +- %.4f standard errors, %.1f rounds\n", name, bias.mean, bias.error,
                 bias.rounds);
-    EXPECT_GT(bias.rounds, 1.1) << "there must be later rounds";
+    EXPECT_GT(bias.rounds, 1) << "there must be later rounds";
     EXPECT_LT(std::fabs(bias.mean), 3.3 * bias.error);
   }
 }
