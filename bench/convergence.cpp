@@ -1,5 +1,5 @@
 // Error against samples and against time, for each scene, sampler and allocation, over several
-// seeds. See README.md beside it.
+// seeds. See docs/convergence.md.
 
 #include <CLI/CLI.hpp>
 #include <algorithm>

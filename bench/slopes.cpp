@@ -1,8 +1,8 @@
 // How fast the variance of estimates of plain integrals falls with their samples, where theory
-// knows the rate: Owen 1997, "Scrambled Net Variance for Integrals of Smooth Functions" (smooth:
-// n^-3 but for logarithms), He and Wang 2015, "On the Convergence Rate of Randomized Quasi-Monte
-// Carlo for Discontinuous Functions" (an edge across two dimensions: n^-1.5), and n^-1 for
-// independent samples and for independent replicates. See README.md beside it.
+// knows the rate: n^-3 but for logarithms for smooth integrands (Owen 1997, "Scrambled Net Variance
+// for Integrals of Smooth Functions"), n^-1.5 for an edge across two dimensions (Mitchell 1996,
+// "Consequences of Stratified Sampling in Graphics"), n^-1 for independent samples and replicates.
+// See docs/convergence.md.
 
 #include <CLI/CLI.hpp>
 #include <cmath>
