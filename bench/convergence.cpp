@@ -220,6 +220,9 @@ absl::Status Run(const Options& options) {
   }
   RenderPool pool(options.threads);
   std::ofstream csv(options.csv);
+  if (!options.csv.empty() && !csv) {
+    return absl::InvalidArgumentError("--csv: cannot write " + options.csv);
+  }
   csv << "scene,sampler,allocation,spp,samples,relmse,relmse_stderr,seconds,rays,efficiency\n";
   std::printf(
       "%dx%d, %d threads, %d seeds, references of %u spp; at the last point: samples, "

@@ -154,6 +154,10 @@ int Main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
 
   std::ofstream csv(csv_path);
+  if (!csv_path.empty() && !csv) {
+    std::fprintf(stderr, "--csv: cannot write %s\n", csv_path.c_str());
+    return 2;
+  }
   csv << "integrand,sampler,growing,samples,variance\n";
   std::printf("%u repetitions of each point\n", repetitions);
   std::printf("%-17s %-12s %-11s %12s %12s %16s  %s\n", "integrand", "sampler", "growing",
