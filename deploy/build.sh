@@ -23,6 +23,9 @@ folder=build/$preset
 mkdir -p "$folder"
 exec 9>"$folder/.lock"
 flock 9
+# Where ccache is there: what a file depends on is asked of the compiler, not of a run of the
+# preprocessor before it, which costs a tenth of a first build.
+export CCACHE_DEPEND=1
 echo "Building ${targets[*]} in $folder"
 log=$folder/configure.log
 if ! cmake --preset "$preset" "${options[@]}" >"$log" 2>&1; then
