@@ -93,6 +93,16 @@ TEST(Frame, OfUnknownPartsWarns) {
   EXPECT_NE(scene.warnings[0].text.find("halton"), std::string::npos);
 }
 
+TEST(Frame, OfOtherRandomizationsWarns) {
+  for (const char* known : {"none", "permutedigits"}) {
+    const PbrtScene scene = Read(std::string("Sampler \"sobol\" \"string randomization\" \"") +
+                                 known + "\" WorldBegin");
+    EXPECT_EQ(scene.warnings.size(), 1u) << known;
+  }
+  EXPECT_TRUE(
+      Read("Sampler \"sobol\" \"string randomization\" \"owen\" WorldBegin").warnings.empty());
+}
+
 TEST(Camera, LooksWhereLookAtSays) {
   const PbrtScene scene = Read(
       "LookAt 1 2 3  1 2 10  0 5 0\nCamera \"perspective\"\nWorldBegin\n"
@@ -314,6 +324,20 @@ TEST(Textures, AreReadWithAllTheirParameters) {
   EXPECT_EQ(cubes.world_to_texture, Transform::Translate(-1, 0, 0));
   EXPECT_EQ(cubes.a, 4);
   EXPECT_TRUE(scene->warnings.empty());
+}
+
+TEST(Textures, OfOtherFiltersWarn) {
+  SceneFolder folder;
+  folder.Write("a.png", "");
+  folder.Write("scene.pbrt", R"(WorldBegin
+    Texture "a" "float" "imagemap" "string filename" "a.png" "string filter" "bilinear"
+    Texture "b" "float" "imagemap" "string filename" "a.png" "string filter" "trilinear"
+    Texture "c" "float" "imagemap" "string filename" "a.png" "string filter" "EWA")");
+  const absl::StatusOr<PbrtScene> scene = folder.Read();
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  ASSERT_EQ(scene->warnings.size(), 2u);
+  EXPECT_EQ(scene->warnings[0].where.line, 3);
+  EXPECT_EQ(scene->warnings[1].where.line, 4);
 }
 
 TEST(Lights, StandInTheWorld) {

@@ -165,6 +165,22 @@ absl::Status ReadPixelFilter(const std::string& type, ParameterReader& parameter
   return parameters.Finish(context.warnings);
 }
 
+/// Sobol' points are Owen-scrambled whatever the file says.
+void ReadRandomization(ParameterReader& parameters, ReadContext& context) {
+  const std::string randomization = parameters.String("randomization", "fastowen");
+  if (randomization == "none") {
+    context.Warn(parameters.where(),
+                 "the sampler is always randomized; an error cannot be "
+                 "estimated otherwise");
+  } else if (randomization == "permutedigits") {
+    context.Warn(parameters.where(),
+                 "randomization \"permutedigits\" is not supported; owen is used");
+  } else if (!IsOneOf(randomization, {"fastowen", "owen"})) {
+    parameters.Fail(parameters.where(),
+                    StrCat("unknown randomization \"", randomization, "\"; use owen"));
+  }
+}
+
 absl::Status ReadSampler(const std::string& type, ParameterReader& parameters,
                          ReadContext& context) {
   FrameDefaults& frame = context.scene.defaults;
@@ -189,11 +205,7 @@ absl::Status ReadSampler(const std::string& type, ParameterReader& parameters,
     context.Warn(parameters.where(),
                  StrCat("Sampler \"", type, "\" is not supported; sobol is used"));
   }
-  if (parameters.String("randomization", "fastowen") == "none") {
-    context.Warn(parameters.where(),
-                 "the sampler is always randomized; an error cannot be "
-                 "estimated otherwise");
-  }
+  ReadRandomization(parameters, context);
   parameters.Integer("seed", 0);  // the job's own seed counts
   return parameters.Finish(context.warnings);
 }

@@ -16,6 +16,24 @@ std::optional<double> Level(ParameterReader& parameters, std::string_view name) 
   return value > 0 ? std::optional<double>(value) : std::nullopt;
 }
 
+/// "scale", which no light has below 0.
+double Scale(ParameterReader& parameters) {
+  const double scale = parameters.Float("scale", 1);
+  if (scale < 0) {
+    parameters.Fail(parameters.where(),
+                    StrCat("\"float scale\" of a light is ", scale, "; it must not be negative"));
+  }
+  return scale;
+}
+
+Rgb Scaled(ParameterReader& parameters, Rgb color, double scale) {
+  const Rgb scaled = color * static_cast<float>(scale);
+  if (!strata::IsFinite(scaled)) {
+    parameters.Fail(parameters.where(), "the light is too bright; give it a smaller \"scale\"");
+  }
+  return scaled;
+}
+
 Vec3f ToFloat(Vec3d v) {
   return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
 }
@@ -29,14 +47,14 @@ absl::StatusOr<LightDescription> ReadPoint(const Transform& world_from_light,
                                            ParameterReader& parameters, ReadContext& context) {
   const Rgb intensity =
       ColorParameter(parameters, "I", Rgb::Gray(1), SpectrumUse::kIlluminant, color_space, context);
-  double scale = parameters.Float("scale", 1);
+  double scale = Scale(parameters);
   if (const std::optional<double> power = Level(parameters, "power")) {
     scale *= *power / (4 * kPiDouble);
   }
   const Vec3d from = world_from_light.Point(ToDouble(parameters.Point3("from").value_or(Vec3f{})));
   if (!IsFinite(from)) return ErrorAt(parameters.where(), "the light is infinitely far away");
   return LightDescription{parameters.where(),
-                          PointLightDescription{from, intensity * static_cast<float>(scale)}};
+                          PointLightDescription{from, Scaled(parameters, intensity, scale)}};
 }
 
 absl::StatusOr<LightDescription> ReadDistant(const Transform& world_from_light,
@@ -44,7 +62,7 @@ absl::StatusOr<LightDescription> ReadDistant(const Transform& world_from_light,
                                              ParameterReader& parameters, ReadContext& context) {
   const Rgb radiance =
       ColorParameter(parameters, "L", Rgb::Gray(1), SpectrumUse::kIlluminant, color_space, context);
-  double scale = parameters.Float("scale", 1);
+  double scale = Scale(parameters);
   scale *= Level(parameters, "illuminance").value_or(1);
   const Vec3f from = parameters.Point3("from").value_or(Vec3f{});
   const Vec3f to = parameters.Point3("to").value_or(Vec3f{0, 0, 1});
@@ -56,14 +74,14 @@ absl::StatusOr<LightDescription> ReadDistant(const Transform& world_from_light,
   }
   const Vec3f unit = ToFloat({direction.x / length, direction.y / length, direction.z / length});
   return LightDescription{parameters.where(),
-                          DistantLightDescription{unit, radiance * static_cast<float>(scale)}};
+                          DistantLightDescription{unit, Scaled(parameters, radiance, scale)}};
 }
 
 absl::StatusOr<LightDescription> ReadInfinite(const Transform& world_from_light,
                                               std::string_view color_space,
                                               ParameterReader& parameters, ReadContext& context) {
   const SourceLocation& where = parameters.where();
-  const double scale = parameters.Float("scale", 1);
+  const double scale = Scale(parameters);
   const std::optional<double> illuminance = Level(parameters, "illuminance");
   if (const Parameter* portal = parameters.Take("portal")) {
     context.Warn(portal->where, "the \"portal\" of the light is ignored; it shines from all sides");
@@ -74,7 +92,7 @@ absl::StatusOr<LightDescription> ReadInfinite(const Transform& world_from_light,
     // The irradiance of a hemisphere of radiance L is pi L.
     if (illuminance) radiance = radiance * static_cast<float>(*illuminance / kPiDouble);
     return LightDescription{where,
-                            ConstantInfiniteLightDescription{radiance * static_cast<float>(scale)}};
+                            ConstantInfiniteLightDescription{Scaled(parameters, radiance, scale)}};
   }
   if (parameters.Has("L")) {
     parameters.Fail(where, "an infinite light has either \"L\" or \"filename\", not both");
@@ -123,10 +141,10 @@ absl::StatusOr<AreaLight> ReadAreaLight(const std::string& type, std::string_vie
   light.where = parameters.where();
   const Rgb radiance =
       ColorParameter(parameters, "L", Rgb::Gray(1), SpectrumUse::kIlluminant, color_space, context);
-  const double scale = parameters.Float("scale", 1);
+  const double scale = Scale(parameters);
   light.two_sided = parameters.Bool("twosided", false);
   light.power = Level(parameters, "power");
-  light.radiance = radiance * static_cast<float>(scale);
+  light.radiance = Scaled(parameters, radiance, scale);
   if (const Parameter* image = parameters.Take("filename")) {
     parameters.Fail(image->where,
                     "an image as radiance of an area light is not supported; use \"L\"");

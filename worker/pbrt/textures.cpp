@@ -59,6 +59,20 @@ void ReadWrap(ParameterReader& parameters, ReadContext& context, ImageTexture& i
   }
 }
 
+/// Rays are many and samples are jittered, so that filtering beyond bilinear changes little.
+void ReadImageFilter(ParameterReader& parameters, ReadContext& context, ImageTexture& image) {
+  const std::string filter = parameters.String("filter", "bilinear");
+  image.nearest = filter == "point";
+  if (filter == "trilinear" || filter == "EWA" || filter == "ewa") {
+    context.Warn(parameters.where(),
+                 StrCat("image filter \"", filter, "\" is not supported; bilinear is used"));
+  } else if (filter != "point" && filter != "bilinear") {
+    parameters.Fail(parameters.where(),
+                    StrCat("unknown image filter \"", filter, "\"; use point or bilinear"));
+  }
+  parameters.Float("maxanisotropy", 8);  // of EWA alone
+}
+
 }  // namespace
 
 TextureId TextureTable::Add(TextureDescription texture, int depth) {
@@ -129,9 +143,7 @@ std::optional<ImageTexture> TextureTable::ReadImage(ParameterReader& parameters,
   image.invert = parameters.Bool("invert", false);
   ReadWrap(parameters, context_, image);
   ReadEncoding(parameters, image);
-  // Rays are many and samples are jittered, so that filtering beyond bilinear changes little.
-  image.nearest = parameters.String("filter", "bilinear") == "point";
-  parameters.Float("maxanisotropy", 8);
+  ReadImageFilter(parameters, context_, image);
   const std::string name = parameters.String("filename", "");
   if (!parameters.Has("filename")) {
     parameters.Fail(parameters.where(), "an imagemap wants a \"string filename\"");

@@ -62,6 +62,9 @@ absl::StatusOr<Spectrum> ReadSpectrumFile(const std::string& name, const SourceL
                             ParseNumber({words[0].data(), words[0].size()}, at));
     STRATA_ASSIGN_OR_RETURN(const double value,
                             ParseNumber({words[1].data(), words[1].size()}, at));
+    if (value < 0) {
+      return ErrorAt(at, StrCat("a spectrum holds the value ", value, "; it must not be negative"));
+    }
     samples.emplace_back(wavelength, value);
   }
   absl::StatusOr<Spectrum> spectrum = Spectrum::Create(std::move(samples));
