@@ -108,6 +108,26 @@ TEST(SceneFiles, DeepIncludesAreTold) {
   EXPECT_NE(Message(folder.Read("0").status()).find("deep"), std::string::npos);
 }
 
+TEST(SceneFiles, WithNegativeSpectraAreTold) {
+  SceneFolder folder;
+  folder.Write("scene.pbrt", "WorldBegin LightSource \"point\" \"spectrum I\" \"lamp.spd\"");
+  folder.Write("lamp.spd", "360 1\n830 -1\n");
+  EXPECT_EQ(Message(folder.Read().status()),
+            "lamp.spd:2: a spectrum holds the value -1; it must not be negative");
+}
+
+TEST(SceneFiles, ThatMultiplyAreTold) {
+  SceneFolder folder;
+  for (int i = 0; i < 30; ++i) {
+    const std::string include = "Include \"" + std::to_string(i + 1) + "\"\n";
+    folder.Write(std::to_string(i), include + include);
+  }
+  folder.Write("30", "");
+  const std::string message = Message(folder.Read("0").status());
+  EXPECT_NE(message.find("more than 100000 times"), std::string::npos) << message;
+  EXPECT_NE(message.find(":1: "), std::string::npos) << message;
+}
+
 TEST(SceneFiles, AnImportedFileKeepsItsStateToItself) {
   SceneFolder folder;
   folder.Write("scene.pbrt", "WorldBegin Translate 1 0 0 Import \"part.pbrt\" Shape \"sphere\"");
@@ -127,6 +147,12 @@ TEST(SceneFiles, AnImportedFileKeepsItsStateToItself) {
   folder.Write("scene.pbrt", "WorldBegin AttributeBegin Import \"part.pbrt\" AttributeEnd");
   folder.Write("part.pbrt", "AttributeEnd");
   EXPECT_EQ(Message(folder.Read().status()).find("part.pbrt:1: "), 0u);
+  folder.Write("part.pbrt", "Include \"inner.pbrt\"");
+  folder.Write("inner.pbrt", "\nAttributeEnd");
+  EXPECT_EQ(Message(folder.Read().status()), "inner.pbrt:2: AttributeEnd without AttributeBegin");
+  // What the imported file has opened itself may be closed by what it includes.
+  folder.Write("part.pbrt", "AttributeBegin Include \"inner.pbrt\"");
+  EXPECT_TRUE(folder.Read().ok());
 }
 
 TEST(Bundles, NameTheirContent) {

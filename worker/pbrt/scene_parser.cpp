@@ -11,6 +11,9 @@ namespace {
 
 /// Deeper than any real scene, and shallow enough that states and files stay small.
 constexpr size_t kMaxScopes = 4096, kMaxOpenFiles = 64;
+/// In all. Files that each include the next one twice would be read 2^64 times before they are too
+/// deep; the largest scenes have some thousands.
+constexpr size_t kMaxInclusions = 100'000;
 
 }  // namespace
 
@@ -92,6 +95,10 @@ absl::Status SceneParser::Open(const std::string& bundle_path, const SourceLocat
   }
   if (files_.size() >= kMaxOpenFiles) {
     return ErrorAt(where, StrCat("files are included more than ", kMaxOpenFiles, " deep"));
+  }
+  if (++inclusions_ > kMaxInclusions) {
+    return ErrorAt(where, StrCat("files are included more than ", kMaxInclusions,
+                                 " times in all; define an object once and instance it"));
   }
   STRATA_ASSIGN_OR_RETURN(std::string text, context_.ReadText(bundle_path, where));
   OpenFile file;
@@ -236,10 +243,15 @@ absl::Status SceneParser::OpenScope(ScopeKind kind) {
   return absl::OkStatus();
 }
 
+size_t SceneParser::ScopesAroundImport() const {
+  const auto import = std::find_if(files_.rbegin(), files_.rend(), [](const OpenFile& file) {
+    return file.state_after.has_value();
+  });
+  return import == files_.rend() ? 0 : import->scopes;
+}
+
 absl::Status SceneParser::CloseScope(ScopeKind kind, std::string_view begin) {
-  // An imported file may not close what it has not opened.
-  const bool importing = files_.back().state_after.has_value();
-  if (scopes_.size() <= (importing ? files_.back().scopes : 0)) {
+  if (scopes_.size() <= ScopesAroundImport()) {
     return ErrorAt(Here(), StrCat(directive_, " without ", begin));
   }
   if (scopes_.back().kind != kind) {

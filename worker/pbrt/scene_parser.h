@@ -121,6 +121,9 @@ class SceneParser {
 
   absl::Status OpenScope(ScopeKind kind);
   absl::Status CloseScope(ScopeKind kind, std::string_view begin);
+  /// How many scopes were open when the innermost import began: neither the imported file nor what
+  /// it includes may close them.
+  size_t ScopesAroundImport() const;
   absl::Status PlaceEmission(ShapeDescription& shape);
   int32_t ObjectNamed(const std::string& name);
   absl::Status Concatenate(const Transform& transform);
@@ -130,6 +133,7 @@ class SceneParser {
   MaterialTable materials_;
 
   std::vector<OpenFile> files_;
+  size_t inclusions_ = 0;  ///< Files opened so far, each as often as it was.
   SourceLocation directive_at_;
   std::string directive_;
 
