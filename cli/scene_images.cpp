@@ -3,25 +3,29 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include <set>
+#include <map>
+#include <string>
 #include <variant>
 
 #include "common/image_file.h"
+#include "worker/geometry/image_texels.h"
 #include "worker/light/environment.h"
 
 namespace strata {
 namespace {
 
-std::set<std::string> ImagesOf(const SceneDescription& scene) {
-  std::set<std::string> paths;
-  for (const TextureDescription& texture : scene.textures) {
-    if (const auto* image = std::get_if<ImageTexture>(&texture)) paths.insert(image->path);
-  }
+/// Path and whether a texture uses the image: what an environment may hold is checked with its
+/// light.
+std::map<std::string, bool> ImagesOf(const SceneDescription& scene) {
+  std::map<std::string, bool> images;
   for (const LightDescription& light : scene.lights) {
     const auto* image = std::get_if<ImageInfiniteLightDescription>(&light.light);
-    if (image != nullptr) paths.insert(image->path);
+    if (image != nullptr) images[image->path] = false;
   }
-  return paths;
+  for (const TextureDescription& texture : scene.textures) {
+    if (const auto* image = std::get_if<ImageTexture>(&texture)) images[image->path] = true;
+  }
+  return images;
 }
 
 /// While one lives, nothing written to standard error is seen. libpng reports to it on its own what
@@ -52,11 +56,16 @@ absl::Status CheckImages(const LoadedScene& loaded) {
   const SilencedStandardError silenced;
   // By the path as typed, which the error then names; that it stays inside the root is known.
   const std::filesystem::path folder = loaded.path.typed_root;
-  for (const std::string& path : ImagesOf(scene)) {
-    const absl::Status read = ReadImageFile(folder / path).status();
-    if (!read.ok()) {
+  for (const auto& [path, is_texture] : ImagesOf(scene)) {
+    const absl::StatusOr<ImageFile> file = ReadImageFile(folder / path);
+    if (!file.ok()) {
       return absl::InvalidArgumentError(
-          absl::StrCat(read.message(), "; replace it with a whole image"));
+          absl::StrCat(file.status().message(), "; replace it with a whole image"));
+    }
+    const absl::Status usable = is_texture ? CheckTexels(*file) : absl::OkStatus();
+    if (!usable.ok()) {
+      return absl::InvalidArgumentError(
+          absl::StrCat((folder / path).string(), ": ", usable.message(), "; mend or replace it"));
     }
   }
   const DirectorySource source(loaded.path.root);

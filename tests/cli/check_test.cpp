@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "common/image_file.h"
@@ -170,6 +171,25 @@ TEST(Check, ABrokenImageIsOneLineWhateverItsReaderSays) {
   EXPECT_EQ(result.exit_status, 2);
   EXPECT_EQ(result.err.find("room/image.png: "), 0u) << result.err;
   EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+}
+
+TEST(Check, AnImageWithATexelThatIsNotFiniteIsRefused) {
+  const SceneFolder folder;
+  std::string pixels;
+  for (const float value : {1.0f, std::nanf("")}) {
+    for (int channel = 0; channel < 3; ++channel) {
+      pixels.append(reinterpret_cast<const char*>(&value), sizeof value);
+    }
+  }
+  const std::string image = folder.Write("paint.pfm", "PF\n2 1\n-1.0\n" + pixels);
+  const std::string scene = folder.Write(
+      "scene.pbrt",
+      SceneWithImage("Texture \"a\" \"spectrum\" \"imagemap\" \"string filename\" \"paint.pfm\""));
+  for (const char* command : {"render", "check"}) {
+    const CommandResult result = RunInProcess({command, scene});
+    EXPECT_EQ(result.exit_status, 2) << command;
+    EXPECT_EQ(result.err.find(image + ": the image's texel (1, 0) is NaN"), 0u) << result.err;
+  }
 }
 
 TEST(Check, AnImageThatIsNoEnvironmentIsLocatedAtTheLight) {

@@ -139,6 +139,21 @@ TEST(Textures, EightBitCodesAreDecodedAsAsked) {
   EXPECT_EQ(folder.locates, 1) << "one file, loaded once";
 }
 
+TEST(Textures, TexelsThatAreNotFiniteAreErrors) {
+  const ImageFolder folder;
+  for (const float bad : {std::nanf(""), INFINITY, -INFINITY}) {
+    std::vector<float> values = kSquare;
+    values[7] = bad;
+    folder.Write("bad.exr", 2, 2, values);
+    ImageTexture image;
+    image.path = "bad.exr";
+    const absl::Status status = TextureSet::Load({image}, folder).status();
+    EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+    EXPECT_EQ(status.message(),
+              "texture image bad.exr: the image's texel (0, 1) is NaN or infinite");
+  }
+}
+
 TEST(Textures, ScaleAndMix) {
   const auto set = MustLoad({ConstantTexture{{1, 2, 4}}, ConstantTexture{Rgb::Gray(0.25f)},
                              ScaleTexture{0, 1}, MixTexture{0, 2, 1},

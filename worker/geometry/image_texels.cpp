@@ -1,8 +1,30 @@
 #include "worker/geometry/image_texels.h"
 
+#include <cmath>
+
 #include "worker/math/elementary.h"
 
 namespace strata {
+namespace {
+
+/// Of an image's channels, those that are colour.
+int ColorChannels(const ImageFile& file) { return file.channels < 3 ? 1 : 3; }
+
+}  // namespace
+
+absl::Status CheckTexels(const ImageFile& file) {
+  if (file.eight_bit || file.sixteen_bit) return absl::OkStatus();
+  const size_t pixels = static_cast<size_t>(file.width) * file.height;
+  for (size_t pixel = 0; pixel < pixels; ++pixel) {
+    for (int channel = 0; channel < ColorChannels(file); ++channel) {
+      if (std::isfinite(file.values[pixel * file.channels + channel])) continue;
+      return absl::InvalidArgumentError(absl::StrCat("the image's texel (", pixel % file.width,
+                                                     ", ", pixel / file.width,
+                                                     ") is NaN or infinite"));
+    }
+  }
+  return absl::OkStatus();
+}
 
 double Decode(double value, ImageEncoding encoding, float gamma) {
   switch (encoding) {
@@ -27,7 +49,7 @@ ImageTexels ImageTexels::From(const ImageFile& file, ImageEncoding encoding, flo
   ImageTexels texels;
   texels.width = file.width;
   texels.height = file.height;
-  texels.channels = file.channels < 3 ? 1 : 3;
+  texels.channels = ColorChannels(file);
   const size_t pixels = static_cast<size_t>(file.width) * file.height;
   const size_t count = pixels * texels.channels;
   if (file.eight_bit) {

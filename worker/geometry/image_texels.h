@@ -5,9 +5,14 @@
 #include <vector>
 
 #include "common/image_file.h"
+#include "common/status.h"
 #include "worker/scene/description.h"
 
 namespace strata {
+
+/// INVALID_ARGUMENT naming the first texel that is NaN or infinite; only floating-point images can
+/// have one. Alpha is left out here as well.
+absl::Status CheckTexels(const ImageFile& file);
 
 /// Linear values of the 256 codes of 8-bit images, correctly rounded.
 using DecodeTable = std::array<float, 256>;

@@ -222,7 +222,8 @@ absl::StatusOr<ImageNode> TextureLoader::LoadImage(const ImageTexture& texture,
   }
   STRATA_ASSIGN_OR_RETURN(const std::filesystem::path path, source_.Locate(texture.path));
   absl::StatusOr<ImageFile> file = ReadImageFile(path);
-  if (!file.ok()) return Annotate(file.status(), absl::StrCat("texture image ", texture.path));
+  const absl::Status usable = file.ok() ? CheckTexels(*file) : file.status();
+  if (!usable.ok()) return Annotate(usable, absl::StrCat("texture image ", texture.path));
   node.texels = static_cast<uint32_t>(images->size());
   images->push_back(ImageTexels::From(*file, texture.encoding, gamma));
   if (file->sixteen_bit) {
