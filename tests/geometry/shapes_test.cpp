@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/geometry/scene_builder.h"
+#include "worker/geometry/curved_shape.h"
 
 // Each shape against an intersection worked out otherwise: the ray is taken into the shape's space
 // in long double and the textbook equation solved there.
@@ -155,6 +156,25 @@ TEST(Shapes, CylindersAreWhereTheyShouldBe) {
       CompareWithTextbook(CylinderShape{0.8f, -0.5f, 0.6f, 90}, seed, scale, 0.05);
     }
   }
+}
+
+TEST(Shapes, PatchesHaveAreaUnlessTheyAreLines) {
+  const auto has_area = [](const std::array<Vec3d, 4>& corners) {
+    BilinearPatchSurface patch;
+    std::copy(corners.begin(), corners.end(), patch.p);
+    CurvedShape shape;
+    shape.surface = patch;
+    EXPECT_EQ(HasArea(shape), AreaOf(shape) > 0);
+    return HasArea(shape);
+  };
+  EXPECT_TRUE(has_area({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 1}}}));
+  EXPECT_TRUE(has_area({{{0, 0, 0}, {0, 0, 0}, {0, 1, 0}, {1, 1, 0}}})) << "a triangle";
+  EXPECT_FALSE(has_area({{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}}}));
+  EXPECT_FALSE(has_area({{{0, 0, 0}, {0, 0, 0}, {1, 2, 3}, {1, 2, 3}}}));
+  EXPECT_FALSE(has_area({{{1, 1, 1}, {1, 1, 1}, {1, 1, 1}, {1, 1, 1}}}));
+  CurvedShape sphere;
+  sphere.surface = SphereSurface(SphereShape{0.5f});
+  EXPECT_TRUE(HasArea(sphere));
 }
 
 TEST(Shapes, PatchesAreWhereTheirCornersPutThem) {

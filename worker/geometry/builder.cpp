@@ -214,10 +214,11 @@ absl::Status ShapeBuilder::AddQuadric(const ShapeDescription& shape, CurvedSurfa
 
 void ShapeBuilder::AddCurved(const ShapeDescription& shape, CurvedShape curved, bool may_emit,
                              ShapeGroup* group) {
-  const double area = AreaOf(curved);
-  if (!(area > 0) || !std::isfinite(area)) return;
+  if (!HasArea(curved)) return;
   curved.material = shape.material;
   if (may_emit && shape.emission && !IsBlack(shape.emission->radiance)) {
+    const double area = AreaOf(curved);
+    if (!(area > 0) || !std::isfinite(area)) return;
     Emitter emitter;
     emitter.area = static_cast<float>(area);
     emitter.shape = OtherEmitter{static_cast<uint32_t>(group->curved.size())};

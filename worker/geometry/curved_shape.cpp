@@ -1,5 +1,6 @@
 #include "worker/geometry/curved_shape.h"
 
+#include <cmath>
 #include <variant>
 
 #include "worker/geometry/rounding.h"
@@ -19,6 +20,27 @@ RoundedPoint ToGroup(const Placement& placement, Vec3d p) {
   rounded.p = ToFloat(Placement::Point(placement.to_world, p));
   rounded.p_error = Gamma(1) * Abs(rounded.p) + ToFloat(placement.PointMagnitude(p) * kDoubleError);
   return rounded;
+}
+
+/// 1 / pdf of SampleArea(shape, u): the area where the density is even, 0 where there is none.
+double InversePdf(const CurvedShape& shape, Vec2d u) {
+  return std::visit(
+      [&](const auto& s) {
+        const LocalPoint local = SampleArea(s, u);
+        const double pdf = PdfArea(s, local.p);
+        return pdf > 0 ? shape.placement.AreaScale(local.ng) / pdf : 0;
+      },
+      shape.surface);
+}
+
+bool HasArea(const BilinearPatchSurface& patch) {
+  // Its points are on one line exactly when that is seen from all four corners.
+  for (const double u : {0.0, 1.0}) {
+    for (const double v : {0.0, 1.0}) {
+      if (Length(Cross(patch.DpDu(v), patch.DpDv(u))) > 0) return true;
+    }
+  }
+  return false;
 }
 
 Vec3f OuterNormal(const CurvedShape& shape, Vec3d n) {
@@ -74,22 +96,21 @@ float PdfArea(const CurvedShape& shape, Vec3f p) {
 }
 
 double AreaOf(const CurvedShape& shape) {
-  // The mean of 1 / pdf over a grid of samples; each term is the area where the density is even.
   constexpr int kGrid = 64;
   double sum = 0;
   for (int i = 0; i < kGrid; ++i) {
     for (int j = 0; j < kGrid; ++j) {
-      const Vec2d u = {(i + 0.5) / kGrid, (j + 0.5) / kGrid};
-      std::visit(
-          [&](const auto& s) {
-            const LocalPoint local = SampleArea(s, u);
-            const double pdf = PdfArea(s, local.p);
-            if (pdf > 0) sum += shape.placement.AreaScale(local.ng) / pdf;
-          },
-          shape.surface);
+      sum += InversePdf(shape, {(i + 0.5) / kGrid, (j + 0.5) / kGrid});
     }
   }
   return sum / (kGrid * kGrid);
+}
+
+bool HasArea(const CurvedShape& shape) {
+  if (const auto* patch = std::get_if<BilinearPatchSurface>(&shape.surface)) return HasArea(*patch);
+  // The density of the others is even in their own space.
+  const double area = InversePdf(shape, {0.5, 0.5});
+  return area > 0 && std::isfinite(area);
 }
 
 Box BoundsOf(const CurvedShape& shape) {

@@ -27,8 +27,11 @@ SurfacePoint PointOn(const CurvedShape& shape, const SurfaceHit& hit);
 EmitterPoint SampleArea(const CurvedShape& shape, Vec2f u);
 float PdfArea(const CurvedShape& shape, Vec3f p);
 
-/// Area in the group's space, to about five digits where the placement is no similarity.
+/// Area in the group's space, to about five digits where the placement is no similarity. It costs
+/// thousands of samples: for emitters.
 double AreaOf(const CurvedShape& shape);
+/// Whether there is any, at the cost of one: a mesh may have millions of patches.
+bool HasArea(const CurvedShape& shape);
 
 /// A box in the group's space that holds the surface.
 Box BoundsOf(const CurvedShape& shape);
