@@ -9,6 +9,16 @@
 #include "common/wire/status.h"
 
 namespace strata {
+namespace {
+
+/// Bytes that are not those announced are the client's mistake, whatever the store calls them; the
+/// sentence names the file by its digest and says what is wrong with it.
+absl::Status OfUpload(const absl::Status& status) {
+  const bool other_bytes = absl::IsOutOfRange(status) || absl::IsDataLoss(status);
+  return Annotate(other_bytes ? absl::InvalidArgumentError(status.message()) : status, "data");
+}
+
+}  // namespace
 
 UploadStream::UploadStream(Farm& farm) : farm_(farm) { StartRead(&read_); }
 
@@ -33,12 +43,12 @@ absl::Status UploadStream::Take(const v1::UploadFileRequest& request) {
   if (request.data().empty() || request.data().size() > kFileChunkBytes) {
     return wire::FieldError("data", "must be 1 byte to 1 MiB");
   }
-  return Annotate(upload_->Append(request.data()), "data");
+  return OfUpload(upload_->Append(request.data()));
 }
 
 absl::Status UploadStream::End() {
   if (!upload_) return wire::FieldError("header", "is missing");
-  return Annotate(upload_->Finish(), "data");
+  return OfUpload(upload_->Finish());
 }
 
 ImageStream::ImageStream(Farm& farm, TaskThread& tasks, JobId job) {

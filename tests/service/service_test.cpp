@@ -85,9 +85,16 @@ TEST(Service, UploadsAreVerified) {
                   .Upload(scene.spec.bundle, scene.root, [&](uint64_t s, uint64_t) { sent = s; })
                   .ok());
   EXPECT_EQ(sent, 0u) << "what the server has is not sent again";
-  scene.spec.bundle.files[0].digest = DigestOf("something else");
-  const absl::Status status = farm.client().Upload(scene.spec.bundle, scene.root, nullptr);
-  EXPECT_FALSE(status.ok());
+  BundleFile& file = scene.spec.bundle.files[0];
+  file.digest = DigestOf("something else");
+  const auto upload = [&] { return farm.client().Upload(scene.spec.bundle, scene.root, nullptr); };
+  ExpectError(upload(), absl::StatusCode::kInvalidArgument,
+              "file " + file.digest.Hex() + ": its content has the digest");
+  file.bytes = bytes + 1;
+  ExpectError(upload(), absl::StatusCode::kInvalidArgument, "were announced");
+  file.bytes = bytes - 1;
+  ExpectError(upload(), absl::StatusCode::kInvalidArgument, "more than the announced");
+  file.bytes = bytes;
   scene.spec.bundle.files[0].path = "not-there.pbrt";
   ExpectError(farm.client().Upload(scene.spec.bundle, scene.root, nullptr),
               absl::StatusCode::kNotFound, "not-there.pbrt");
