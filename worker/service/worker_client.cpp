@@ -20,7 +20,8 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr milliseconds kFirstPause(200), kLongestPause(5000);
-/// How long a coordinator may take to end a connection that this side has closed.
+/// How long a coordinator may take to end a connection that this side closes, counted from the last
+/// write that went out: what is finished may take longer than that to send.
 constexpr milliseconds kCloseGrace(10'000);
 
 std::string HostName() {
@@ -114,7 +115,7 @@ absl::Status WorkerClient::State::WaitForEnd(WorkerConnection& open) {
     const auto now = std::chrono::steady_clock::now();
     MutexLock lock(mutex);
     if (leave && !left) left = now;
-    if (left && now - *left > kCloseGrace) open.Cancel();
+    if (left && now - std::max(*left, open.LastWrite()) > kCloseGrace) open.Cancel();
   }
 }
 

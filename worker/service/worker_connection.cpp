@@ -61,6 +61,11 @@ void WorkerConnection::HalfCloseIfFlushed() {
 
 void WorkerConnection::Cancel() { context_.TryCancel(); }
 
+std::chrono::steady_clock::time_point WorkerConnection::LastWrite() {
+  MutexLock lock(mutex_);
+  return last_write_;
+}
+
 std::optional<absl::Status> WorkerConnection::WaitForEnd(std::chrono::milliseconds period) {
   const auto deadline = std::chrono::steady_clock::now() + period;
   MutexLock lock(mutex_);
@@ -94,7 +99,11 @@ void WorkerConnection::OnReadDone(bool ok) {
 void WorkerConnection::OnWriteDone(bool ok) {
   MutexLock lock(mutex_);
   writing_ = false;
-  if (!ok) queue_.clear();
+  if (ok) {
+    last_write_ = std::chrono::steady_clock::now();
+  } else {
+    queue_.clear();
+  }
   if (ended_) return;
   if (!queue_.empty()) {
     WriteNext();

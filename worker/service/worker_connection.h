@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <deque>
 #include <memory>
 #include <optional>
@@ -29,6 +30,8 @@ class WorkerConnection final
   void Close();
   /// Ends the connection now.
   void Cancel();
+  /// When a write last went out; the clock's beginning before the first.
+  std::chrono::steady_clock::time_point LastWrite();
   /// Why the connection ended; nothing when it still stands after `period`.
   std::optional<absl::Status> WaitForEnd(std::chrono::milliseconds period);
 
@@ -54,6 +57,7 @@ class WorkerConnection final
   CondVar changed_;
   std::deque<Queued> queue_ STRATA_GUARDED_BY(mutex_);
   size_t queued_bytes_ STRATA_GUARDED_BY(mutex_) = 0;
+  std::chrono::steady_clock::time_point last_write_ STRATA_GUARDED_BY(mutex_);
   bool writing_ STRATA_GUARDED_BY(mutex_) = false;
   bool closing_ STRATA_GUARDED_BY(mutex_) = false;
   bool half_closed_ STRATA_GUARDED_BY(mutex_) = false;
