@@ -1,0 +1,203 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "tests/light/lamp.h"
+#include "tests/statistics/direction_test.h"
+#include "tests/statistics/random.h"
+
+// SampleLi of every light draws directions with the density that PdfLi claims: 50000 of each in a
+// chi-square test, all of them together at the level kAlpha. Each has a control that must fail.
+
+namespace strata {
+namespace {
+
+constexpr double kAlpha = 0.01;  ///< Of each test as a whole, shared out by Sidak's rule.
+constexpr int kSamples = 50000;
+
+using Sampler = std::function<std::optional<Vec3f>(Vec2f u)>;
+using Density = std::function<float(Vec3f direction)>;
+
+/// The control's numbers, which each have the density 1 + 0.08 (1 - 2u) instead of 1, so that a
+/// light's directions are off by 6.5 % (root mean square), however small it is.
+Vec2f Bend(Vec2f u) {
+  const auto bend = [](float x) { return x + 0.08f * x * (1 - x); };
+  return {bend(u.x), bend(u.y)};
+}
+
+/// The sphere turned so that its pole, where the test's cells may be small, lies amid a light's
+/// directions, and stretched across its longer side, so that quadrature finds the tips of a needle.
+class View {
+ public:
+  explicit View(const std::vector<Vec3f>& directions) {
+    Vec3f sum;
+    for (const Vec3f w : directions) sum = sum + w;
+    frame_ = Frame::FromNormal(Normalize(sum));
+    float xx = 0, xy = 0, yy = 0;
+    for (const Vec3f w : directions) {
+      const Vec3f local = frame_.ToLocal(w);
+      xx += local.x * local.x;
+      xy += local.x * local.y;
+      yy += local.y * local.y;
+    }
+    // The axes of the matrix of second moments, the longer one first.
+    const float angle = 0.5f * std::atan2(2 * xy, xx - yy);
+    frame_ = Frame::FromNormalAndTangent(frame_.z,
+                                         frame_.x * std::cos(angle) + frame_.y * std::sin(angle));
+    const float middle = 0.5f * (xx + yy), off = std::hypot(0.5f * (xx - yy), xy);
+    squeeze_ = std::sqrt(std::max(middle - off, 1e-4f * middle) / (middle + off));
+  }
+
+  Vec3f FromWorld(Vec3f w) const {
+    const Vec3f local = frame_.ToLocal(w);
+    return Normalize({local.x, local.y / squeeze_, local.z});
+  }
+  /// The density of what FromWorld makes of directions of density `pdf`.
+  float Pdf(const Density& pdf, Vec3f v) const {
+    const Vec3f squeezed = {v.x, v.y * squeeze_, v.z};
+    const float length = Length(squeezed);
+    return pdf(frame_.ToWorld(squeezed / length)) * squeeze_ / (length * length * length);
+  }
+
+ private:
+  Frame frame_;
+  float squeeze_;
+};
+
+void ExpectDensity(const std::string& name, const Sampler& sample, const Density& pdf, double level,
+                   uint64_t seed) {
+  TestRandom random(seed);
+  std::vector<Vec3f> some;
+  while (some.size() < 256) {
+    if (const std::optional<Vec3f> w = sample(random.Float2())) some.push_back(*w);
+  }
+  const View view(some);
+  const auto test = [&](Vec2f (*distort)(Vec2f)) {
+    return TestDirections(
+        [&]() -> std::optional<Vec3f> {
+          const std::optional<Vec3f> w = sample(distort(random.Float2()));
+          return w ? std::optional(view.FromWorld(*w)) : std::nullopt;
+        },
+        [&](Vec3f v) { return view.Pdf(pdf, v); }, kSamples);
+  };
+  const DirectionTestResult result = test([](Vec2f u) { return u; });
+  EXPECT_GT(result.chi_square.p, level)
+      << name << ": chi-square " << result.chi_square.statistic << " with "
+      << result.chi_square.degrees << " degrees of freedom, integral " << result.integral;
+  EXPECT_NEAR(result.integral, 1, 1e-3) << name;
+  EXPECT_LT(test(Bend).chi_square.p, 1e-6) << name << ": the control was not found";
+}
+
+TEST(LampDirections, FollowTheDensity) {
+  const std::vector<LampCase> cases = AllLampCases();
+  const double level = SidakLevel(kAlpha, static_cast<int>(cases.size()));
+  uint64_t seed = 1;
+  for (const LampCase& c : cases) {
+    const Lamp lamp(c.shape);
+    ExpectDensity(
+        c.name,
+        [&](Vec2f u) {
+          const std::optional<LightSample> sample = lamp.Sample(c.from, u);
+          return sample ? std::optional(sample->wi) : std::nullopt;
+        },
+        [&](Vec3f w) { return lamp.Pdf(c.from, w); }, level, seed++);
+  }
+}
+
+TEST(LampDirections, LeadToThePointThatWasChosen) {
+  TestRandom random(3);
+  for (const LampCase& c : AllLampCases()) {
+    const Lamp lamp(c.shape);
+    constexpr int kTries = 5000;
+    int off = 0;
+    for (int i = 0; i < kTries; ++i) {
+      const std::optional<LightSample> sample = lamp.Sample(c.from, random.Float2());
+      ASSERT_TRUE(sample) << c.name;
+      EXPECT_FALSE(sample->delta || sample->infinite) << c.name;
+      const float distance = Length(sample->end - c.from);
+      bool found = false;
+      for (const Lamp::Meeting& meeting : lamp.Meetings(c.from, sample->wi)) {
+        found |= std::abs(meeting.hit.distance - distance) < 1e-3f * distance &&
+                 std::abs(meeting.pdf - sample->pdf) < 0.01f * sample->pdf &&
+                 meeting.radiance == sample->radiance;
+      }
+      off += !found;
+    }
+    // Rays miss the very edge of a lamp, and meet its limb elsewhere.
+    EXPECT_LE(off, kTries / 200) << c.name;
+  }
+}
+
+TEST(LampDirections, AreNoneTowardsADarkSide) {
+  TestRandom random(4);
+  for (const LampCase& c : AllLampCases()) {
+    ShapeDescription shape = c.shape;
+    shape.emission->two_sided = false;
+    int lit = 0;
+    for (const bool reverse : {false, true}) {
+      shape.reverse_orientation = reverse;
+      const Lamp lamp(shape);
+      const std::optional<LightSample> sample = lamp.Sample(c.from, random.Float2());
+      // A twisted patch may show both sides.
+      lit += sample.has_value();
+      if (sample) EXPECT_GT(lamp.Pdf(c.from, sample->wi), 0) << c.name;
+    }
+    EXPECT_GE(lit, 1) << c.name;
+  }
+}
+
+// ---- skies ----
+
+/// A dark sky with black parts and a sun, which has about half of all power.
+std::vector<Rgb> Sunny(int width, int height) {
+  std::vector<Rgb> pixels;
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const float value = (x / 3 + y / 2) % 3 == 0 ? 0 : 0.2f + 0.1f * static_cast<float>(x % 5);
+      pixels.push_back({value, 0.8f * value, 0.5f * value});
+    }
+  }
+  pixels[static_cast<size_t>(height / 3 * width + width / 4)] =
+      Rgb::Gray(0.2f * static_cast<float>(width * height));
+  return pixels;
+}
+
+TEST(SkyDirections, FollowTheDensity) {
+  const Frame turned = Frame::FromNormal(Normalize(Vec3f{1, 2, 3}));
+  const Frame mirrored = {turned.y, turned.x, turned.z};
+  struct Case {
+    std::string name;
+    int width, height;
+    EnvironmentMapping mapping;
+    Frame axes;
+  };
+  const std::vector<Case> cases = {
+      {"equal-area", 16, 16, EnvironmentMapping::kEqualArea, turned},
+      {"mirrored equal-area", 15, 15, EnvironmentMapping::kEqualArea, mirrored},
+      {"lat-long", 24, 12, EnvironmentMapping::kLatLong, turned},
+      {"mirrored lat-long", 20, 9, EnvironmentMapping::kLatLong, mirrored}};
+  const double level = SidakLevel(kAlpha, static_cast<int>(cases.size() + 1));
+  uint64_t seed = 100;
+  for (const Case& c : cases) {
+    const EnvironmentImage image(c.width, c.height, Sunny(c.width, c.height), c.mapping, c.axes);
+    const ImageEnvironment sky = {&image};
+    ExpectDensity(
+        c.name,
+        [&](Vec2f u) {
+          const std::optional<LightSample> sample = SampleLi(sky, {}, u);
+          return sample ? std::optional(sample->wi) : std::nullopt;
+        },
+        [&](Vec3f w) { return PdfLi(sky, w); }, level, seed++);
+  }
+  const ConstantEnvironment sky = {Rgb::Gray(2)};
+  ExpectDensity(
+      "constant", [&](Vec2f u) { return std::optional(SampleLi(sky, {}, u)->wi); },
+      [&](Vec3f w) { return PdfLi(sky, w); }, level, seed++);
+}
+
+}  // namespace
+}  // namespace strata

@@ -1,0 +1,105 @@
+#include "tests/light/lamp.h"
+
+#include <gtest/gtest.h>
+
+namespace strata {
+
+Lamp::Lamp(const ShapeDescription& shape) {
+  SceneDescription scene;
+  scene.textures.push_back(ConstantTexture{Rgb::Gray(0.5f)});
+  scene.materials.push_back(DiffuseMaterial{0});
+  scene.shapes.push_back(shape);
+  auto geometry = Geometry::Build(scene);
+  EXPECT_TRUE(geometry.ok()) << geometry.status();
+  geometry_ = *std::move(geometry);
+  auto lights = LightSet::Build(scene, *geometry_, DirectorySource("."));
+  EXPECT_TRUE(lights.ok()) << lights.status();
+  lights_ = *std::move(lights);
+  EXPECT_EQ(lights_.lights().size(), 1u);
+}
+
+std::vector<Lamp::Meeting> Lamp::Meetings(Vec3f from, Vec3f direction) const {
+  std::vector<Meeting> meetings;
+  Ray ray = {from, direction};
+  for (Hit found; geometry_->Intersect(ray, &found);) {
+    const SurfacePoint point = geometry_->Surface(ray, found);
+    const EmissionHit hit = {point.p, point.ng, direction, Length(point.p - from)};
+    const Rgb radiance = lights_.SurfaceLe(0, point.ng, -direction);
+    if (!IsBlack(radiance)) {
+      meetings.push_back({hit, radiance, lights_.SurfacePdf(0, from, hit)});
+      if (IsSphere()) break;
+    }
+    ray.origin = OffsetRayOrigin(point, direction);
+  }
+  return meetings;
+}
+
+float Lamp::Pdf(Vec3f from, Vec3f direction) const {
+  float sum = 0;
+  for (const Meeting& meeting : Meetings(from, direction)) sum += meeting.pdf;
+  return sum;
+}
+
+ShapeDescription EmissiveShape(ShapeGeometry geometry, const Transform& to_world, bool two_sided) {
+  ShapeDescription shape;
+  shape.geometry = std::move(geometry);
+  shape.to_world = to_world;
+  shape.emission = AreaEmission{{1, 0.5f, 0.25f}, two_sided};
+  return shape;
+}
+
+std::vector<LampCase> AllLampCases() {
+  TriangleMeshShape mesh;
+  mesh.positions = {{-1, -0.5f, 0}, {1, -0.5f, 0}, {0.4f, 1.1f, 0}};
+  mesh.triangles = {{0, 1, 2}};
+  const ShapeDescription triangle = EmissiveShape(mesh);
+  mesh.positions[2] = {0.2f, -0.4f, 0};
+  const ShapeDescription sliver = EmissiveShape(mesh);
+
+  const Transform place = Transform::Translate(1, 2, 3);
+  const ShapeDescription bulb = EmissiveShape(SphereShape{0.5f, -0.5f, 0.5f, 360}, place);
+  ShapeDescription sphere = bulb, hollow = bulb;
+  sphere.emission->two_sided = hollow.emission->two_sided = false;
+  hollow.reverse_orientation = true;
+
+  const ShapeDescription disk = EmissiveShape(DiskShape{.radius = 1});
+  const ShapeDescription arc =
+      EmissiveShape(DiskShape{0.2f, 1, 0.5f, 270}, Transform::Scale(1, 2, 1));
+  const ShapeDescription cylinder = EmissiveShape(CylinderShape{0.5f, -1, 1, 360});
+  const ShapeDescription shield = EmissiveShape(CylinderShape{0.5f, -1, 1, 100});
+  const ShapeDescription gutter =
+      EmissiveShape(CylinderShape{0.5f, -1, 1, 200}, Transform::Scale(2, 1, 1));
+  const ShapeDescription egg =
+      EmissiveShape(SphereShape{0.5f, -0.5f, 0.5f, 360}, Transform::Scale(1, 1, 2));
+  BilinearPatchShape bilinear;
+  bilinear.positions = {
+      {-1, -1, 0.3f}, {1.2f, -0.8f, -0.5f}, {-0.5f, 1, -0.2f}, {0.7f, 0.6f, 0.9f}};
+  bilinear.patches = {{0, 1, 2, 3}};
+  const ShapeDescription patch = EmissiveShape(bilinear);
+
+  return {
+      {"triangle", triangle, {0.3f, -0.6f, 1.5f}},
+      {"triangle, near", triangle, {0.1f, 0, 0.1f}},
+      {"triangle, far", triangle, {20, 30, 40}},
+      {"triangle, grazing", triangle, {0.4f, -3, 0.1f}},
+      {"sliver", sliver, {0, -0.6f, 0.5f}},
+      {"sphere", sphere, {1, 2, 1.5f}},
+      {"sphere, near", sphere, {1, 2, 2.495f}},
+      {"sphere, far", sphere, {30, -40, 60}},
+      {"sphere of two sides", bulb, {2, 2, 3.2f}},
+      {"sphere, within", hollow, {1.1f, 2.2f, 3.1f}},
+      {"sphere of two sides, within", bulb, {1, 1.6f, 3}},
+      {"disk", disk, {0.8f, 0.5f, 1}},
+      {"disk, near", disk, {0.3f, 0.2f, -0.1f}},
+      {"disk, far", disk, {50, 30, 20}},
+      {"arc of a stretched disk", arc, {0.4f, 0.3f, 1.2f}},
+      {"cylinder, within", cylinder, {0.1f, -0.2f, 0.7f}},
+      {"part of a cylinder", shield, {1, 1.2f, 0.6f}},
+      {"part of a stretched cylinder", gutter, {0.3f, 0.1f, 0.2f}},
+      {"spheroid, within", egg, {0.1f, -0.2f, 0.3f}},
+      {"patch", patch, {0.5f, 0.4f, 2}},
+      {"patch, near", patch, {0.1f, 0.1f, 1}},
+  };
+}
+
+}  // namespace strata

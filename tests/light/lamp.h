@@ -1,0 +1,56 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "worker/light/light_set.h"
+
+namespace strata {
+
+/// One emissive shape in an empty scene, as the integrator sees it: chosen points on one side, what
+/// rays meet on the other.
+class Lamp {
+ public:
+  explicit Lamp(const ShapeDescription& shape);
+
+  /// Of the light set, whose only light it is.
+  std::optional<LightSample> Sample(Vec3f from, Vec2f u) const {
+    return lights_.Sample(0, from, u);
+  }
+
+  /// Where a ray meets a side that emits.
+  struct Meeting {
+    EmissionHit hit;
+    Rgb radiance;
+    float pdf;  ///< Of having sampled this point, per solid angle at `from`.
+  };
+  /// All of them in order. Samples do not know what hides them, so the far ones count as well; but
+  /// of a sphere sampled by its cone, from outside, only the nearest can be chosen.
+  std::vector<Meeting> Meetings(Vec3f from, Vec3f direction) const;
+  /// The density with which Sample finds a direction.
+  float Pdf(Vec3f from, Vec3f direction) const;
+
+  bool IsSphere() const { return std::holds_alternative<SphereLight>(lights_.lights()[0]); }
+
+ private:
+  std::unique_ptr<Geometry> geometry_;
+  LightSet lights_;
+};
+
+/// A point that looks at a lamp.
+struct LampCase {
+  std::string name;
+  ShapeDescription shape;
+  Vec3f from;
+};
+
+/// `two_sided` shapes of radiance 1 (but for their colour).
+ShapeDescription EmissiveShape(ShapeGeometry geometry, const Transform& to_world = {},
+                               bool two_sided = true);
+
+/// Every kind of lamp from near, far, within and edge-on. Of curved lamps that are sampled by area
+/// no limb is in view: the density is infinite there, though its integral is not.
+std::vector<LampCase> AllLampCases();
+
+}  // namespace strata
