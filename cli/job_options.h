@@ -86,7 +86,8 @@ struct Resolution {
 };
 absl::StatusOr<Resolution> ParseResolution(const std::string& text);  ///< "1280x720"
 absl::StatusOr<PixelRect> ParseCrop(const std::string& text);         ///< "x0,y0,x1,y1"
-/// "gaussian" has pbrt-v4's radius; "gaussian:2" sets both radii, "gaussian:2,1" each.
+/// "gaussian" has pbrt-v4's radius; "gaussian:2" sets both radii, "gaussian:2,1" each,
+/// "gaussian:2,1,0.5" sigma as well, "mitchell:2,2,0.5,0.25" B and C.
 absl::StatusOr<FilterSpec> ParseFilter(const std::string& text);
 absl::StatusOr<double> ParseRelativeError(const std::string& text);    ///< "0.02", "2%"
 absl::StatusOr<double> ParseRmse(const std::string& text);             ///< "0.001"

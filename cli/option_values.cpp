@@ -44,12 +44,18 @@ absl::StatusOr<FilterSpec> ParseFilter(const std::string& text) {
   if (!kind.ok()) return Annotate(kind.status(), "--filter");
   FilterSpec filter = DefaultFilter(*kind);
   if (parts.size() == 1) return filter;
-  const std::vector<std::string> radii = absl::StrSplit(parts[1], ',');
-  if (radii.size() > 2 || !absl::SimpleAtod(radii.front(), &filter.radius_x) ||
-      !absl::SimpleAtod(radii.back(), &filter.radius_y) || !std::isfinite(filter.radius_x) ||
-      !std::isfinite(filter.radius_y)) {
+  std::vector<double*> values = {&filter.radius_x, &filter.radius_y};
+  if (filter.kind == FilterKind::kGaussian) values.push_back(&filter.sigma);
+  if (filter.kind == FilterKind::kMitchell) values.insert(values.end(), {&filter.b, &filter.c});
+  const std::vector<std::string> numbers = absl::StrSplit(parts[1], ',');
+  bool understood = numbers.size() == 1 || numbers.size() == 2 || numbers.size() == values.size();
+  for (size_t i = 0; understood && i < numbers.size(); ++i) {
+    understood = absl::SimpleAtod(numbers[i], values[i]) && std::isfinite(*values[i]);
+  }
+  if (!understood) {
     return Wanted("filter", text, "NAME or NAME:RADIUS in pixels, such as gaussian:1.5");
   }
+  if (numbers.size() == 1) filter.radius_y = filter.radius_x;
   return filter;
 }
 

@@ -25,11 +25,11 @@ absl::StatusOr<ExitStatus> Replay(const ReplayOptions& options, Console& console
         absl::StrCat("--pixel: '", options.pixel, "' is not understood, give X,Y such as 12,34"));
   }
   STRATA_ASSIGN_OR_RETURN(const ResolvedJob job, ResolveJob(options.job));
-  const PixelRect& crop = job.spec.crop;
-  if (x < crop.x0 || x >= crop.x1 || y < crop.y0 || y >= crop.y1) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("--pixel: ", x, ",", y, " is outside the pixels rendered, ", crop.x0, ",",
-                     crop.y0, " to ", crop.x1 - 1, ",", crop.y1 - 1));
+  // The job may have had another crop than the file, so any pixel of the frame will do.
+  if (x < 0 || x >= job.spec.width || y < 0 || y >= job.spec.height) {
+    return absl::InvalidArgumentError(absl::StrCat("--pixel: ", x, ",", y,
+                                                   " is outside the frame, give 0,0 to ",
+                                                   job.spec.width - 1, ",", job.spec.height - 1));
   }
   const DirectorySource source(job.root);
   const absl::StatusOr<std::shared_ptr<const Scene>> scene =

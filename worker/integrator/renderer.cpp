@@ -3,6 +3,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/replay_command.h"
 #include "common/sync.h"
 #include "worker/integrator/pixel_sum.h"
 #include "worker/integrator/render_pool.h"
@@ -170,8 +171,7 @@ absl::StatusOr<Partial> Renderer::Render(const WorkUnit& unit, RenderPool& pool,
     if (partial.replays.size() == kMaxReplays) break;
     const int x = unit.pixels.x0 + static_cast<int>(defect.pixel % unit.pixels.Width());
     const int y = unit.pixels.y0 + static_cast<int>(defect.pixel / unit.pixels.Width());
-    partial.replays.push_back(ReplayCommand(state_->spec, state_->scene->defaults(), x, y,
-                                            defect.replicate, defect.sample));
+    partial.replays.push_back(ReplayCommand(state_->spec, x, y, defect.replicate, defect.sample));
   }
   partial.render_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -47,8 +47,4 @@ struct Renderer::State {
   std::string ReplaySample(int x, int y, uint32_t replicate, uint32_t sample) const;
 };
 
-/// The command that replays one sample, with the job options that differ from the scene file's.
-std::string ReplayCommand(const JobSpec& spec, const FrameDefaults& defaults, int x, int y,
-                          uint32_t replicate, uint32_t sample);
-
 }  // namespace strata

@@ -68,12 +68,6 @@ class ReplayObserver {
   std::string* text_;
 };
 
-std::string FilterOption(const FilterSpec& filter) {
-  return filter.radius_x == filter.radius_y
-             ? absl::StrFormat("%s:%g", ToString(filter.kind), filter.radius_x)
-             : std::string(ToString(filter.kind));
-}
-
 }  // namespace
 
 template <typename Sampler>
@@ -93,19 +87,6 @@ std::string Renderer::State::ReplaySample(int x, int y, uint32_t replicate, uint
   absl::StrAppendFormat(&text, "value %s from %d rays%s\n", Text(value), result.rays,
                         IsFinite(value) ? "" : ": not finite, enters the pixel as zero");
   return text;
-}
-
-std::string ReplayCommand(const JobSpec& spec, const FrameDefaults& defaults, int x, int y,
-                          uint32_t replicate, uint32_t sample) {
-  std::string command = absl::StrFormat(
-      "strata replay %s --pixel %d,%d --replicate %d --sample %d --seed %d --frame %d "
-      "--resolution %dx%d --max-depth %d --sampler %s",
-      spec.bundle.scene, x, y, replicate, sample, spec.seed, spec.frame, spec.width, spec.height,
-      spec.max_depth, ToString(spec.sampler));
-  // The file's own filter may have parameters that no option has.
-  if (!(spec.filter == defaults.filter))
-    absl::StrAppend(&command, " --filter ", FilterOption(spec.filter));
-  return command;
 }
 
 std::string Renderer::Replay(int x, int y, uint32_t replicate, uint32_t sample) const {

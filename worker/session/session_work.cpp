@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/replay_command.h"
 #include "worker/session/worker_session.h"
 
 // The threads of a session that load and render.
@@ -27,10 +28,7 @@ bool IsJobsFault(const absl::Status& status) {
 
 /// Shows a unit's failure by its first sample.
 std::string ReplayOf(const JobSpec& spec, const WorkUnit& unit) {
-  return absl::StrCat("strata replay ", spec.bundle.scene, " --pixel ", unit.pixels.x0, ",",
-                      unit.pixels.y0, " --replicate 0 --sample ", unit.RangeOf(0).begin, " --seed ",
-                      spec.seed, " --frame ", spec.frame, " --resolution ", spec.width, "x",
-                      spec.height);
+  return ReplayCommand(spec, unit.pixels.x0, unit.pixels.y0, 0, unit.RangeOf(0).begin);
 }
 
 }  // namespace
@@ -210,8 +208,8 @@ void WorkerSession::ReportLoadFailure(Job& job, const Lease& lease, const absl::
   spdlog::error("{}: {}", lease.job, reason);
   const bool job_wide = IsJobsFault(failure);
   for (const WorkUnit& unit : lease.units) {
-    Say(UnitFailure{lease.job, lease.lease, unit.id, reason,
-                    absl::StrCat("strata check ", job.description.spec.bundle.scene), job_wide});
+    Say(UnitFailure{lease.job, lease.lease, unit.id, reason, CheckCommand(job.description.spec),
+                    job_wide});
     if (job_wide) break;
   }
   MutexLock lock(mutex_);

@@ -1,0 +1,58 @@
+#include "common/replay_command.h"
+
+#include <absl/strings/ascii.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace strata {
+namespace {
+
+/// The scene and, where it lies in a folder of its bundle, the bundle's root.
+std::string SceneArguments(const JobSpec& spec) {
+  const std::string& scene = spec.bundle.scene;
+  const bool like_an_option = scene.rfind('-', 0) == 0;
+  const bool in_folder = scene.find('/') != std::string::npos;
+  return ShellQuoted((like_an_option ? "./" : "") + scene) + (in_folder ? " --root ." : "");
+}
+
+/// For --filter; numbers are written so that they are read back to the last bit.
+std::string FilterArgument(const FilterSpec& filter) {
+  std::string text =
+      fmt::format("{}:{},{}", ToString(filter.kind), filter.radius_x, filter.radius_y);
+  if (filter.kind == FilterKind::kGaussian) text += fmt::format(",{}", filter.sigma);
+  if (filter.kind == FilterKind::kMitchell) text += fmt::format(",{},{}", filter.b, filter.c);
+  return text;
+}
+
+}  // namespace
+
+std::string ReplayCommand(const JobSpec& spec, int x, int y, uint32_t replicate, uint32_t sample) {
+  return fmt::format(
+      "strata replay {} --pixel {},{} --replicate {} --sample {} --seed {} --frame {} "
+      "--resolution {}x{} --max-depth {} --sampler {} --filter {}",
+      SceneArguments(spec), x, y, replicate, sample, spec.seed, spec.frame, spec.width, spec.height,
+      spec.max_depth, ToString(spec.sampler), FilterArgument(spec.filter));
+}
+
+std::string CheckCommand(const JobSpec& spec) { return "strata check " + SceneArguments(spec); }
+
+std::string ShellQuoted(std::string_view word) {
+  constexpr std::string_view kHarmless = "_./,:=+-@%";
+  const bool plain = !word.empty() && std::all_of(word.begin(), word.end(), [&](unsigned char c) {
+    return absl::ascii_isalnum(c) || kHarmless.find(static_cast<char>(c)) != kHarmless.npos;
+  });
+  if (plain) return std::string(word);
+  // Nothing is special within single quotes but they themselves.
+  std::string quoted = "'";
+  for (const char c : word) {
+    if (c == '\'') {
+      quoted += "'\\''";
+    } else {
+      quoted += c;
+    }
+  }
+  return quoted + "'";
+}
+
+}  // namespace strata
