@@ -7,7 +7,7 @@ namespace strata {
 /// What the process ends with; scripts rely on it.
 enum class ExitStatus {
   kDone = 0,
-  kFailed = 1,       ///< The job failed, or a result is not what was asked for.
+  kFailed = 1,       ///< The job failed, or a result is not what was asked for or not written.
   kBadInput = 2,     ///< Bad usage or bad input.
   kUnreachable = 3,  ///< No server answered within five seconds.
   kInterrupted = 130,

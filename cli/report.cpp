@@ -77,6 +77,14 @@ std::string TargetLine(const JobStatus& status) {
                          status.rounds);
 }
 
+/// Fetches a job's image, if there is one and it is wanted, and returns the paths of its files.
+absl::StatusOr<std::vector<std::string>> SaveImage(FarmClient& client, const JobStatus& status,
+                                                   const ImageOutput& output) {
+  if (output.path.empty() || status.samples == 0) return std::vector<std::string>();
+  STRATA_ASSIGN_OR_RETURN(const ImageLayers image, client.FetchImage(status.id));
+  return WriteImage(output, image);
+}
+
 /// What came of a job, in a few lines for people.
 std::vector<std::string> ReportLines(const JobStatus& status,
                                      const std::vector<std::string>& files) {
@@ -158,16 +166,15 @@ absl::StatusOr<ExitStatus> FinishJob(FarmClient& client, const JobStatus& status
     console.Error(Complaint(status));
     ShowTroubles(client, status, console);
   }
-  std::vector<std::string> files;
-  if (!output.path.empty() && status.samples > 0) {
-    STRATA_ASSIGN_OR_RETURN(const ImageLayers image, client.FetchImage(status.id));
-    STRATA_ASSIGN_OR_RETURN(files, WriteImage(output, image));
-  }
+  // What came of the job is told whether or not its image can be written.
+  const absl::StatusOr<std::vector<std::string>> files = SaveImage(client, status, output);
   if (json) {
     console.Result(DoneEvent(status));
   } else {
-    for (const std::string& line : ReportLines(status, files)) console.Result(line);
+    for (const std::string& line : ReportLines(status, files.value_or(std::vector<std::string>())))
+      console.Result(line);
   }
+  STRATA_RETURN_IF_ERROR(files.status());
   return finite && TargetMet(status) ? ExitStatus::kDone : ExitStatus::kFailed;
 }
 

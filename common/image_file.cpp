@@ -138,7 +138,7 @@ auto WithoutExceptions(const std::filesystem::path& path, Read read) -> decltype
 absl::Status WriteImage(const std::filesystem::path& path, const char* format,
                         const OIIO::ImageSpec& spec, OIIO::TypeDesc type, const void* values) {
   const auto failed = [&](const std::string& why) {
-    return absl::UnavailableError(absl::StrCat(path.string(), ": cannot be written: ", why));
+    return absl::UnknownError(absl::StrCat(path.string(), ": cannot be written: ", why));
   };
   std::filesystem::path temporary = path;
   temporary += ".part";

@@ -28,7 +28,8 @@ struct ImageFile {
 absl::StatusOr<ImageFile> ReadImageFile(const std::filesystem::path& path);
 
 /// OpenEXR, 32-bit float, zip; channel names as given; the crop as data window, metadata as header
-/// attributes "strata:NAME". Writes to a temporary name and renames.
+/// attributes "strata:NAME". Writes to a temporary name and renames; UNKNOWN, with the path and the
+/// reason, when that fails.
 absl::Status WriteExr(const std::filesystem::path& path, const ImageLayers& image);
 
 /// Reads back what WriteExr wrote, or any other OpenEXR file: its channels, those of no layer
@@ -36,8 +37,7 @@ absl::Status WriteExr(const std::filesystem::path& path, const ImageLayers& imag
 absl::StatusOr<ImageLayers> ReadExr(const std::filesystem::path& path);
 
 /// 8-bit sRGB of the crop's R, G and B, for looking. Exposure is 1, as in other viewers, so that
-/// two pictures of a scene compare; each channel passes ToneMap. Writes to a temporary name and
-/// renames.
+/// two pictures of a scene compare; each channel passes ToneMap. Writes as WriteExr does.
 absl::Status WritePng(const std::filesystem::path& path, const ImageLayers& image);
 
 /// The curve of WritePng, in [0, 1): x as it is up to 0.8, then highlights are rolled off smoothly

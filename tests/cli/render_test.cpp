@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -8,10 +9,13 @@
 #include <set>
 #include <sstream>
 
+#include "cli/job_options.h"
 #include "common/image_file.h"
 #include "common/job.h"
+#include "common/replay_command.h"
 #include "tests/cli/run_command.h"
 #include "tests/cli/scene_folder.h"
+#include "worker/integrator/render.h"
 
 namespace strata::test {
 namespace {
@@ -112,6 +116,23 @@ TEST(Render, WithJsonEveryLineOfOutputIsAnEventAndTheLastIsDone) {
   EXPECT_GT(done["mean_rgb"][0], done["mean_rgb"][2]) << "the lamp is warm";
 }
 
+TEST(Render, APictureThatCannotBeWrittenIsAFailureWithPathAndReason) {
+  const SceneFolder folder;
+  const std::string out = folder.Path("out.exr");
+  // A directory where the image is written before it gets its name.
+  std::filesystem::create_directories(out + ".part/full");
+  const CommandResult render = RunStrata({"render", folder.TinyScene(), "-o", out, "--json"});
+  EXPECT_EQ(render.exit_status, 1);
+  EXPECT_EQ(render.err.find(out + ": cannot be written: "), 0u) << render.err;
+  ASSERT_FALSE(Lines(render.out).empty());
+  EXPECT_EQ(json::parse(Lines(render.out).back())["event"], "done") << "it is not lost";
+
+  const CommandResult told = RunStrata({"render", folder.TinyScene(), "-o", out, "--quiet"});
+  EXPECT_EQ(told.exit_status, 1);
+  EXPECT_NE(told.out.find("samples"), std::string::npos) << told.out;
+  EXPECT_EQ(told.out.find("out.exr"), std::string::npos) << told.out;
+}
+
 TEST(Render, TheDigestDoesNotDependOnThreadsWorkersOrTiles) {
   const SceneFolder folder;
   const std::string scene = folder.TinyScene();
@@ -204,6 +225,45 @@ TEST(Replay, APixelOutsideTheFrameIsRefused) {
       {"replay", folder.TinyScene(), "--pixel", "24,0", "--replicate", "0", "--sample", "0"});
   EXPECT_EQ(replay.exit_status, 2);
   EXPECT_NE(replay.err.find("--pixel: 24,0 is outside"), std::string::npos) << replay.err;
+}
+
+TEST(Replay, TheCommandThatIsNamedTracesTheSampleOfTheJob) {
+  const SceneFolder folder;
+  folder.Write("paint.pbrt", "Material \"diffuse\" \"rgb reflectance\" [0.5 0.4 0.3]\n");
+  const std::string scene = folder.Write("my room/it's.pbrt", R"(Camera "perspective"
+Film "rgb" "integer xresolution" [24] "integer yresolution" [16] "integer pixelbounds" [0 4 0 4]
+PixelFilter "mitchell" "float xradius" 1.7 "float yradius" 0.1234567891 "float B" 0.1 "float C" 0.7
+Integrator "path" "integer maxdepth" [2]
+WorldBegin
+LightSource "infinite"
+Include "../paint.pbrt"
+Shape "sphere"
+)");
+  JobOptions options;
+  options.scene = scene;
+  options.root = folder.Path("");
+  options.crop = "8,4,20,12";
+  for (const auto& [seed, filter] : std::map<uint64_t, std::optional<std::string>>{
+           {7, std::nullopt}, {8, "gaussian:1.25,0.3,0.61"}}) {
+    options.seed = seed;
+    options.filter = filter;
+    const absl::StatusOr<ResolvedJob> job = ResolveJob(options);
+    ASSERT_TRUE(job.ok()) << job.status();
+    const auto loaded = LoadScene(DirectorySource(job->root), job->spec.bundle.scene);
+    ASSERT_TRUE(loaded.ok()) << loaded.status();
+    const auto renderer = Renderer::Create(*loaded, job->spec);
+    ASSERT_TRUE(renderer.ok()) << renderer.status();
+
+    const std::string command = "cd " + ShellQuoted(folder.Path("")) + " && " STRATA_BIN_DIR "/" +
+                                ReplayCommand(job->spec, 12, 8, 3, 5);
+    std::FILE* shell = popen(command.c_str(), "r");
+    ASSERT_NE(shell, nullptr);
+    std::string out;
+    char block[4096];
+    for (size_t n; (n = std::fread(block, 1, sizeof block, shell)) > 0;) out.append(block, n);
+    EXPECT_EQ(pclose(shell), 0) << command;
+    EXPECT_EQ(out, (*renderer)->Replay(12, 8, 3, 5) + "\n") << command;
+  }
 }
 
 }  // namespace
