@@ -103,6 +103,14 @@ std::string JobsJson(const std::vector<JobStatus>& jobs) {
   return Dump(list);
 }
 
+std::string ControlJson(const JobStatus& status) {
+  return Dump({{"job", status.id},
+               {"state", std::string(ToString(status.state))},
+               {"priority", status.spec.priority}});
+}
+
+std::string DeletedJson(const JobId& job) { return Dump({{"job", job}, {"deleted", true}}); }
+
 std::string WorkersJson(const std::vector<WorkerStatus>& workers) {
   Json list = Json::array();
   for (const WorkerStatus& worker : workers) {

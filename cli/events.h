@@ -15,6 +15,11 @@ std::string ProgressEvent(const JobStatus& status);
 /// {"event":"done",...}, the last line of a followed job.
 std::string DoneEvent(const JobStatus& status);
 
+/// A job after a command that changed it: {"job","state","priority"}.
+std::string ControlJson(const JobStatus& status);
+/// {"job","deleted":true}
+std::string DeletedJson(const JobId& job);
+
 std::string JobsJson(const std::vector<JobStatus>& jobs);
 std::string WorkersJson(const std::vector<WorkerStatus>& workers);
 std::string LogsJson(const std::vector<LogLine>& lines);

@@ -60,6 +60,15 @@ TEST(Events, ProgressHasTheFixedKeysAndNullForATimeNotKnown) {
   EXPECT_EQ(progress["eta_s"], 2.5);
 }
 
+TEST(Events, ControlCommandsTellTheJobAsItStands) {
+  JobStatus status;
+  status.id = "j-4";
+  status.state = JobState::kPaused;
+  status.spec.priority = -3;
+  EXPECT_EQ(ControlJson(status), R"({"job":"j-4","state":"paused","priority":-3})");
+  EXPECT_EQ(DeletedJson("j-4"), R"({"job":"j-4","deleted":true})");
+}
+
 TEST(Events, NamesThatAreNoUtf8StillMakeJson) {
   JobStatus status;
   status.spec.name = "caf\xe9";

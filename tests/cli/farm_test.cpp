@@ -127,6 +127,19 @@ TEST(FarmCommands, AJobIsPausedResumedReorderedCancelledAndRetried) {
   EXPECT_NE(state(), "cancelled");
 }
 
+TEST(FarmCommands, ControlsTellScriptsTheJobAsItStands) {
+  Farm farm;
+  const std::string job = farm.Submit(farm.folder().LongScene());
+  EXPECT_EQ(farm.StrataJson({"pause", job}),
+            json({{"job", job}, {"state", "paused"}, {"priority", 0}}));
+  EXPECT_EQ(farm.StrataJson({"set", job, "--priority", "9"})["priority"], 9);
+  EXPECT_EQ(farm.StrataJson({"resume", job})["state"], "queued");
+  EXPECT_EQ(farm.StrataJson({"cancel", job})["state"], "cancelled");
+  EXPECT_EQ(farm.StrataJson({"retry", job})["state"], "queued");
+  EXPECT_EQ(farm.StrataJson({"cancel", job})["state"], "cancelled");
+  EXPECT_EQ(farm.StrataJson({"delete", job}), json({{"job", job}, {"deleted", true}}));
+}
+
 TEST(FarmCommands, CtrlCLeavesAWatchedJobAloneAndSaysHowToGoOn) {
   Farm farm;
   const std::string job = farm.Submit(farm.folder().LongScene());
