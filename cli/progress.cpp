@@ -12,6 +12,7 @@ namespace strata {
 namespace {
 
 constexpr int kBarColumns = 20;
+constexpr size_t kWorstTilesShown = 3;
 
 std::string Bar(double fraction) {
   const int full = static_cast<int>(std::clamp(fraction, 0.0, 1.0) * kBarColumns);
@@ -29,6 +30,15 @@ std::string TimeLeft(const JobStatus& status) {
   std::string text = duration(status.eta_s) + " left";
   if (status.eta_low_s >= 0 && low != high) absl::StrAppend(&text, " (", low, " to ", high, ")");
   return text;
+}
+
+/// The i-th worst tile, if so many are known.
+void AddWorstTile(const JobStatus& status, size_t i, std::vector<std::string>* segments) {
+  if (i >= status.worst_tiles.size()) return;
+  const TileError& tile = status.worst_tiles[i];
+  segments->push_back(absl::StrFormat("%s %s at %d,%d", i == 0 ? "worst" : "then",
+                                      FormatPercent(tile.rel_error), tile.pixels.x0,
+                                      tile.pixels.y0));
 }
 
 /// What goes on, most wanted first.
@@ -52,11 +62,11 @@ std::vector<std::string> Segments(const JobStatus& status) {
     segments.push_back(TimeLeft(status));
   }
   segments.push_back(Workers(status.workers));
-  if (!status.worst_tiles.empty()) {
-    const TileError& worst = status.worst_tiles.front();
-    segments.push_back(absl::StrFormat("worst %s at %d,%d", FormatPercent(worst.rel_error),
-                                       worst.pixels.x0, worst.pixels.y0));
+  AddWorstTile(status, 0, &segments);
+  if (status.samples_left > 0) {
+    segments.push_back(FormatCount(status.samples_left) + " samples left");
   }
+  for (size_t i = 1; i < kWorstTilesShown; ++i) AddWorstTile(status, i, &segments);
   return segments;
 }
 

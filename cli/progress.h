@@ -11,7 +11,8 @@
 namespace strata {
 
 /// The state of a job in one line of at most `width` columns: per cent, a bar, samples/s, error
-/// now, time left, workers, the worst tile; what does not fit is left out from the end.
+/// now, time left, workers, the worst tile, samples left, the next worst tiles; what does not fit
+/// is left out from the end.
 std::string ProgressLine(const JobStatus& status, int width);
 
 /// Shows how a job goes while it is followed.

@@ -17,16 +17,22 @@ JobStatus Running() {
   status.rel_error = 0.031;
   status.eta_s = 72;
   status.workers = 2;
-  status.worst_tiles = {{{320, 64, 352, 96}, 0.12}};
+  status.samples_left = 2345678;
+  status.worst_tiles = {{{320, 64, 352, 96}, 0.12},
+                        {{0, 32, 32, 64}, 0.11},
+                        {{64, 0, 96, 32}, 0.1},
+                        {{96, 0, 128, 32}, 0.09}};
   return status;
 }
 
 TEST(ProgressLine, TellsPercentRateErrorTimeLeftAndWorkers) {
   const std::string line = ProgressLine(Running(), 200);
   for (const char* part : {"42 %", "1.23 M samples/s", "error 3.1 %", "1 min 12 s left",
-                           "2 workers", "worst 12 % at 320,64", "[########....."}) {
+                           "2 workers", "worst 12 % at 320,64", "2.35 M samples left",
+                           "then 11 % at 0,32", "then 10 % at 64,0", "[########....."}) {
     EXPECT_NE(line.find(part), std::string::npos) << part << " in: " << line;
   }
+  EXPECT_EQ(line.find("96,0"), std::string::npos) << "three tiles are enough";
 }
 
 TEST(ProgressLine, FitsEveryWidthAndLeavesOutTheLeastFirst) {
