@@ -97,7 +97,9 @@ class PathTracer {
       : scene_(scene), settings_(settings), sampler_(sampler), observer_(observer) {}
 
   /// Light that arrives along `ray`. The sampler must have been started on the sample.
-  PathSample Trace(Ray ray) {
+  /// flatten: what is called from here, visits of variants too, is inlined. Left to itself gcc 12
+  /// calls them one by one, and 4 to 8 % of the time goes into passing their results.
+  [[gnu::flatten]] PathSample Trace(Ray ray) {
     for (int depth = 0;; ++depth) {
       Hit hit;
       ++result_.rays;
@@ -120,6 +122,8 @@ class PathTracer {
       AddDirectLight(depth, vertex);
       if (!Scatter(depth, vertex, &ray) || !SurvivesRoulette(depth)) break;
     }
+    // A throughput that is no number is a defect of the sample, whether it met light or not.
+    if (!IsFinite(beta_)) result_.radiance += beta_;
     return result_;
   }
 
@@ -212,9 +216,9 @@ class PathTracer {
         Sample(*vertex.bsdf, vertex.wo, Get2D(depth, kPairLobe).x, Get2D(depth, kPairBsdf));
     const Vec3f wi = sample ? vertex.frame.ToWorld(sample->wi) : Vec3f{};
     observer_.OnBsdf(sample, wi);
-    if (!sample || IsBlack(sample->weight) || !path_detail::SidesAgree(vertex, wi, sample->wi))
-      return false;
+    if (!sample || IsBlack(sample->weight)) return false;
     beta_ *= sample->weight;
+    if (!path_detail::SidesAgree(vertex, wi, sample->wi)) return false;
     specular_ = sample->delta;
     bsdf_pdf_ = sample->pdf;
     if (sample->transmission) eta_scale_ *= sample->eta * sample->eta;
@@ -227,7 +231,8 @@ class PathTracer {
   /// (PBRT 13.2.1). Not before the second bounce, as pbrt does.
   bool SurvivesRoulette(int depth) {
     const float throughput = MaxComponent(beta_) * eta_scale_;
-    if (depth < 1 || throughput >= 1) return true;
+    // Not a number goes on, to be counted as the defect it is.
+    if (depth < 1 || !(throughput < 1)) return true;
     const float survival = std::max(throughput, path_detail::kMinSurvival);
     const bool survives = Get2D(depth, kPairSelect).y < survival;
     beta_ *= 1 / survival;
