@@ -1,5 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <functional>
+#include <string>
+
+#include "tests/pbrt/scene_folder.h"
 #include "tests/transport/test_scene.h"
 
 // Light sampling alone, BSDF sampling alone and both under MIS are three estimators of one number.
@@ -8,10 +12,27 @@
 namespace strata {
 namespace {
 
-/// A floor and a wall of the material, lit by a triangle, a sphere, a disk and the sky.
-TestScene Studio(const MaterialDescription& description) {
+using MakeMaterial = std::function<MaterialDescription(TestScene&)>;
+enum class Sky { kConstant, kImage };
+
+/// A sky with black parts, and a sun of 0.2 steradians that BSDF sampling finds, as a file of PFM.
+std::string SkyWithSun() {
+  constexpr int kSize = 16;
+  std::string bytes = "PF\n16 16\n-1.0\n";
+  for (int i = 0; i < kSize * kSize; ++i) {
+    const int x = i % kSize, y = i / kSize;
+    const bool sun = x / 2 == 4 && y / 2 == 2;
+    const float radiance = sun ? 20 : x % 4 == 0 ? 0 : 0.3f;
+    for (int channel = 0; channel < 3; ++channel)
+      bytes.append(reinterpret_cast<const char*>(&radiance), sizeof(radiance));
+  }
+  return bytes;
+}
+
+/// A floor of the material and a wall, lit by a triangle, a sphere, a disk and the sky.
+TestScene Studio(const MakeMaterial& make, Sky sky = Sky::kConstant) {
   TestScene scene;
-  const MaterialId material = scene.Material(description);
+  const MaterialId material = scene.Material(make(scene));
   const MaterialId black = scene.Diffuse(0.0f);
   scene.Polygon({{-3, 0, -3}, {-3, 0, 3}, {3, 0, 3}, {3, 0, -3}}, material);
   scene.Polygon({{-3, 0, 3}, {-3, 4, 3}, {3, 4, 3}, {3, 0, 3}}, scene.Diffuse(0.6f));
@@ -23,13 +44,22 @@ TestScene Studio(const MaterialDescription& description) {
   disk.material = black;
   disk.emission = Emits(2, true);
   scene.description.shapes.push_back(disk);
-  scene.Light(ConstantInfiniteLightDescription{Rgb::Gray(0.5f)});
+  if (sky == Sky::kImage) {
+    ImageInfiniteLightDescription image;
+    image.path = "sky.pfm";
+    image.to_world = Transform::Rotate(-90, 1, 0, 0);  // The image's z is up.
+    scene.Light(image);
+  } else {
+    scene.Light(ConstantInfiniteLightDescription{Rgb::Gray(0.5f)});
+  }
   scene.Camera({0, 2, -4}, {0, 0.6f, 1}, 40);
   return scene;
 }
 
 void ExpectStrategiesAgree(const TestScene& scene) {
-  const auto built = BuildScene(scene);
+  const SceneFolder folder;
+  folder.Write("sky.pfm", SkyWithSun());
+  const auto built = BuildScene(scene, DirectorySource(folder.root()));
   JobSpec spec = TestSpec(24, 512, 4);
   const Estimate mis = FrameMean(RenderFrame(built, spec), 1);
   spec.seed = 8;
@@ -44,50 +74,51 @@ void ExpectStrategiesAgree(const TestScene& scene) {
   EXPECT_FALSE(Agree({mis.mean * 1.03, mis.standard_error}, bsdf));
 }
 
-TEST(StrategyTest, AgreeOnDiffuseSurfaces) {
-  TestScene scene;
-  ExpectStrategiesAgree(Studio(DiffuseMaterial{}));
+MaterialDescription Matte(TestScene& scene) {
+  return DiffuseMaterial{scene.Texture(Rgb::Gray(0.5f))};
 }
 
-/// Texture ids below are of the textures that Studio's scene gets afterwards.
-TestScene WithRoughness(MaterialDescription (*make)(Roughness), float roughness) {
-  TestScene scene = Studio(DiffuseMaterial{0});
-  const TextureId alpha = scene.Texture(Rgb::Gray(roughness));
-  // The floor's material is the second, after pbrt's default.
-  scene.description.materials[1] = make({.u = alpha, .v = alpha, .remap = false});
-  return scene;
+Roughness Alpha(TestScene& scene, float alpha) {
+  const TextureId texture = scene.Texture(Rgb::Gray(alpha));
+  return {.u = texture, .v = texture, .remap = false};
 }
 
-TEST(StrategyTest, AgreeOnRoughMetal) {
-  TestScene scene = WithRoughness(
-      [](Roughness r) {
-        return MaterialDescription(ConductorMaterial{.reflectance = 0, .roughness = r});
-      },
-      0.2f);
-  ExpectStrategiesAgree(scene);
+MaterialDescription RoughMetal(TestScene& scene) {
+  return ConductorMaterial{.reflectance = scene.Texture(Rgb::Gray(0.5f)),
+                           .roughness = Alpha(scene, 0.2f)};
 }
 
-TEST(StrategyTest, AgreeOnCoatedSurfaces) {
-  TestScene scene = WithRoughness(
-      [](Roughness r) {
-        return MaterialDescription(CoatedDiffuseMaterial{.reflectance = 0, .roughness = r});
-      },
-      0.3f);
-  scene.description.materials[1] = [&] {
-    auto coated = std::get<CoatedDiffuseMaterial>(scene.description.materials[1]);
-    coated.albedo = scene.Texture({});
-    return coated;
-  }();
-  ExpectStrategiesAgree(scene);
+MaterialDescription Plastic(TestScene& scene) {
+  return CoatedDiffuseMaterial{.reflectance = scene.Texture(Rgb::Gray(0.5f)),
+                               .roughness = Alpha(scene, 0.3f),
+                               .albedo = scene.Texture({})};
 }
 
-TEST(StrategyTest, AgreeThroughRoughGlass) {
-  TestScene scene = WithRoughness(
-      [](Roughness r) {
-        return MaterialDescription(DielectricMaterial{.eta = 1.5f, .roughness = r});
-      },
-      0.3f);
-  ExpectStrategiesAgree(scene);
+MaterialDescription Lacquer(TestScene& scene) {
+  return CoatedConductorMaterial{.interface_roughness = Alpha(scene, 0.2f),
+                                 .conductor_roughness = Alpha(scene, 0.4f),
+                                 .reflectance = scene.Texture(Rgb::Gray(0.7f))};
+}
+
+MaterialDescription RoughGlass(TestScene& scene) {
+  return DielectricMaterial{.eta = 1.5f, .roughness = Alpha(scene, 0.3f)};
+}
+
+MaterialDescription Paper(TestScene& scene) {
+  return DiffuseTransmissionMaterial{scene.Texture(Rgb::Gray(0.3f)),
+                                     scene.Texture(Rgb::Gray(0.5f))};
+}
+
+TEST(StrategyTest, AgreeOnDiffuseSurfaces) { ExpectStrategiesAgree(Studio(Matte)); }
+TEST(StrategyTest, AgreeOnRoughMetal) { ExpectStrategiesAgree(Studio(RoughMetal)); }
+TEST(StrategyTest, AgreeOnCoatedSurfaces) { ExpectStrategiesAgree(Studio(Plastic)); }
+TEST(StrategyTest, AgreeOnCoatedMetal) { ExpectStrategiesAgree(Studio(Lacquer)); }
+TEST(StrategyTest, AgreeThroughRoughGlass) { ExpectStrategiesAgree(Studio(RoughGlass)); }
+TEST(StrategyTest, AgreeThroughPaper) { ExpectStrategiesAgree(Studio(Paper)); }
+
+TEST(StrategyTest, AgreeUnderAnImageOfTheSky) {
+  for (const auto& make : {Matte, RoughMetal, Lacquer, Paper})
+    ExpectStrategiesAgree(Studio(make, Sky::kImage));
 }
 
 TEST(StrategyTest, AgreeInsideASphereLight) {

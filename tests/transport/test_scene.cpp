@@ -75,8 +75,8 @@ JobSpec TestSpec(int size, uint32_t spp, int max_depth) {
   return spec;
 }
 
-std::shared_ptr<const Scene> BuildScene(const TestScene& scene) {
-  auto built = Scene::Build(scene.description, DirectorySource("."));
+std::shared_ptr<const Scene> BuildScene(const TestScene& scene, const FileSource& source) {
+  auto built = Scene::Build(scene.description, source);
   EXPECT_TRUE(built.ok()) << built.status();
   return *built;
 }

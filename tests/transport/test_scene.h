@@ -41,7 +41,9 @@ AreaEmission Emits(float radiance, bool two_sided = false);
 /// A square frame with the box filter and the default sampler.
 JobSpec TestSpec(int size, uint32_t spp, int max_depth);
 
-std::shared_ptr<const Scene> BuildScene(const TestScene& scene);
+/// `source` holds the scene's images.
+std::shared_ptr<const Scene> BuildScene(const TestScene& scene,
+                                        const FileSource& source = DirectorySource("."));
 
 /// A frame rendered as one unit.
 Partial RenderFrame(std::shared_ptr<const Scene> scene, const JobSpec& spec,
