@@ -4,25 +4,27 @@
 #
 #   bench/calibration.sh [SCENE...]      default: all
 #
-# RENDERS=250 TRIALS=40 take fewer seeds for coverage and for efficiency than the full 1000 and 200.
+# RENDERS=250 TRIALS=40 take fewer seeds for coverage and for efficiency than the full 1000 and 100.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 bench=${STRATA_BIN:-build/release/bin}/bench_calibration
 shared=${STRATA_SHARED:-../shared}/scenes/pbrt
 renders=${RENDERS:-1000}
-trials=${TRIALS:-200}
+trials=${TRIALS:-100}
 
-# Frames so small that 32x32 pixels hold edges, shadows and lamps or their reflections.
+# Frames so small that 36x32 pixels hold edges, shadows and lamps or their reflections.
 declare -A crops=(
-  [cornell-box]="--resolution 64x64 --crop 4,2,36,34"
-  [veach-mis]="--resolution 80x45 --crop 32,4,64,36"
-  [coffee]="--resolution 64x80 --crop 16,30,48,62"
-  [staircase2]="--resolution 64x64 --crop 4,20,36,52"
+  [cornell-box]="--resolution 64x64 --crop 4,2,40,34"
+  [veach-mis]="--resolution 80x45 --crop 32,4,68,36"
+  [coffee]="--resolution 64x80 --crop 16,30,52,62"
+  [staircase2]="--resolution 64x64 --crop 4,20,40,52"
 )
+# Samples per pixel; more where single samples are most skewed.
+declare -A samples=([cornell-box]=256 [veach-mis]=512 [coffee]=256 [staircase2]=256)
 
 normal() {  # The control of the bench itself.
   "$bench" normal --allocation uniform,ring,greedy --renders 250 --truth-renders 1000 \
-    --watch-spp 4096 --watch-renders 5
+    --watch-spp 4096 --watch-renders 6
 }
 
 fireflies() {
@@ -33,11 +35,13 @@ fireflies() {
 shared_scene() {
   # shellcheck disable=SC2206  # Words on purpose.
   local scene=("$shared/$1/scene.pbrt" ${crops[$1]})
-  "$bench" "${scene[@]}" --spp 256 --allocation ring --renders "$renders" \
-    --truth-renders "$renders" --watch-spp 4096 --watch-renders 5
-  "$bench" "${scene[@]}" --spp 128 --allocation ring-mse,greedy-mse,neyman,oracle \
-    --renders "$trials" --truth-renders $((2 * trials))
-  "$bench" "${scene[@]}" --spp 64 --truth-renders "$trials"
+  "$bench" "${scene[@]}" --spp "${samples[$1]}" --allocation ring,ring-mse,greedy-mse,neyman,oracle \
+    --renders "$renders" --truth-renders "$renders" --trials "$trials" \
+    --watch-spp 4096 --watch-renders 6
+  for spp in 64 128; do
+    "$bench" "${scene[@]}" --spp "$spp" --allocation ring --renders "$trials" \
+      --truth-renders "$trials"
+  done
   "$bench" "${scene[@]}" --spp 1024 --truth-renders 8
 }
 
