@@ -13,10 +13,10 @@ namespace {
 constexpr uint32_t kLeastPilot = 32;
 constexpr size_t kLeastEdge = 32;
 
-std::vector<double> SumOfChannels(const PixelStatistics& statistics) {
-  std::vector<double> sum = statistics.variance[0];
+Plane SumOfChannels(const PixelStatistics& statistics) {
+  Plane sum = statistics.variance[0];
   for (int c = 1; c < kColours; ++c) {
-    const std::vector<double>& variance = statistics.variance[c];
+    const Plane& variance = statistics.variance[c];
     for (size_t i = 0; i < sum.size(); ++i) sum[i] += variance[i];
   }
   return sum;
@@ -39,7 +39,7 @@ class Shares {
 
   /// If relative errors count from `floor` on; 0: errors count as they are, as in an image without
   /// light.
-  void Fill(std::vector<double>& plane, double floor) const {
+  void Fill(Plane& plane, double floor) const {
     plane = variance_;
     if (floor > 0) {
       for (size_t i = 0; i < plane.size(); ++i) {
@@ -47,20 +47,20 @@ class Shares {
         plane[i] *= scale * scale;
       }
     }
-    plane = Pooled(plane);
+    plane = Pooled(std::move(plane));
     for (size_t i = 0; i < plane.size(); ++i)
       plane[i] = std::sqrt(plane[i] / std::max(cost_[i], 1.0));
   }
 
  private:
-  std::vector<double> Pooled(const std::vector<double>& plane) const {
-    return pool_ == Pool::kRing ? RingMeans(size_, plane) : plane;
+  Plane Pooled(Plane plane) const {
+    return pool_ == Pool::kRing ? RingMeans(size_, std::move(plane)) : plane;
   }
 
   PlaneSize size_;
   Pool pool_;
-  const std::vector<double>& luminance_;
-  std::vector<double> variance_, cost_;
+  const Plane& luminance_;
+  Plane variance_, cost_;
 };
 
 /// Samples of each replicate for a share, given the mean of all shares.
@@ -86,7 +86,7 @@ class Rounding {
   double pilot_, rest_, most_, average_;
 };
 
-double Mean(const std::vector<double>& plane) {
+double Mean(const Plane& plane) {
   return std::accumulate(plane.begin(), plane.end(), 0.0) / static_cast<double>(plane.size());
 }
 
@@ -105,11 +105,10 @@ std::vector<uint32_t> AllocateByRing(const PixelStatistics& pilot, uint32_t spp,
   if (PilotSamples(size, spp) == spp) return counts;
 
   const Shares shares(pilot, goal, Pool::kRing);
-  const std::vector<double> floors = goal == AllocationGoal::kRelativeError
-                                         ? LuminanceFloors(pilot)
-                                         : std::vector<double>(size.Pixels());
+  const Plane floors =
+      goal == AllocationGoal::kRelativeError ? LuminanceFloors(pilot) : Plane(size.Pixels());
   const Rounding rounding(size, spp);
-  std::vector<double> plane;
+  Plane plane;
   for (const double floor : DistinctValues(floors)) {
     shares.Fill(plane, floor);
     VisitMeansOutside(size, plane, [&](size_t y, const double* means) {
@@ -128,7 +127,7 @@ std::vector<uint32_t> AllocateByOwnPixel(const PixelStatistics& pilot, uint32_t 
   const double least = goal == AllocationGoal::kRelativeError
                            ? kLeastShareOfMean * std::max(Mean(pilot.luminance), 0.0)
                            : 0.0;
-  std::vector<double> plane;
+  Plane plane;
   Shares(pilot, goal, Pool::kOwnPixel).Fill(plane, least);
   const double mean = Mean(plane);
   const Rounding rounding(pilot.size, spp);

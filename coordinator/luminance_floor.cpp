@@ -16,9 +16,9 @@ double RoundToFiveDigits(double x) {
 
 }  // namespace
 
-std::vector<double> LuminanceFloors(const PixelStatistics& statistics) {
+Plane LuminanceFloors(const PixelStatistics& statistics) {
   const PlaneSize size = statistics.size;
-  std::vector<double> floors(size.Pixels());
+  Plane floors(size.Pixels());
   VisitMeansOutside(size, statistics.luminance, [&](size_t y, const double* means) {
     double* row = &floors[y * size.width];
     for (size_t x = 0; x < size.width; ++x) {
@@ -28,7 +28,7 @@ std::vector<double> LuminanceFloors(const PixelStatistics& statistics) {
   return floors;
 }
 
-std::vector<double> DistinctValues(const std::vector<double>& plane) {
+std::vector<double> DistinctValues(const Plane& plane) {
   std::vector<double> values;  // The one seen last is at the end.
   for (const double value : plane) {
     if (!values.empty() && values.back() == value) continue;

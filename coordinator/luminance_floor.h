@@ -11,9 +11,9 @@ namespace strata {
 /// without light. Figures of other pixels that enter a decision for p are all made with p's floor,
 /// since theirs have p in them. Rounded, few floors occur in an image, mostly one or two, so that
 /// sums over the image are made for each of these and not for each pixel. Requires HasOutside.
-std::vector<double> LuminanceFloors(const PixelStatistics& statistics);
+Plane LuminanceFloors(const PixelStatistics& statistics);
 
 /// The distinct values of a plane that has few.
-std::vector<double> DistinctValues(const std::vector<double>& plane);
+std::vector<double> DistinctValues(const Plane& plane);
 
 }  // namespace strata

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "coordinator/allocation.h"
 #include "coordinator/error_target.h"
@@ -12,7 +13,7 @@ namespace {
 
 /// Samples of the pilot of a target, over all replicates: enough to see the variance of most
 /// pixels, and little beside what a target usually takes.
-constexpr uint32_t kTargetPilot = 64;
+constexpr uint32_t kTargetPilot = 32;
 /// With a deadline the first round always ends, so it has one sample of each replicate.
 constexpr uint32_t kTimePilot = kReplicates;
 
@@ -78,33 +79,39 @@ std::optional<RoundPlan> PlanTo(const JobSpec& spec, uint32_t round, const Pixel
   return PlanCounts(round, GridOf(spec), now.samples, ends);
 }
 
-/// What a target takes when every pixel gets the same: squared errors fall at least as 1/n.
-Counts UniformTarget(const JobSpec& spec, const PixelStatistics& now, double error) {
+/// What a target takes when every pixel gets the same: squared errors fall at least as 1/n. All
+/// pixels have their share in it, each in its own count too.
+TargetRound UniformTarget(const JobSpec& spec, const PixelStatistics& now, TargetRound target) {
   const double have = now.samples.front();
-  const double excess = error / spec.target_value;
+  const double excess = target.error / spec.target_value;
   const double wanted = std::ceil(have * std::max(excess * excess, 1.0));
-  const double most = spec.spp / kReplicates;
-  return Counts(now.samples.size(), static_cast<uint32_t>(std::max(have, std::min(wanted, most))));
+  const double most = std::max<double>(have, spec.spp / kReplicates);
+  const uint32_t end = static_cast<uint32_t>(std::min(wanted, most));
+  target.ends.assign(now.samples.size(), end);
+  const double all = SamplesIn(target.ends);
+  target.added_deviation = have < end && wanted < most ? target.square_deviation * all : 0;
+  return target;
 }
 
 NextRound NextForError(const JobSpec& spec, uint32_t round, const PixelStatistics& now) {
-  const TargetRound target = spec.target == TargetKind::kRelativeError
-                                 ? PlanForRelativeError(now, spec.target_value, spec.spp)
-                                 : PlanForRmse(now, spec.target_value, spec.spp);
+  TargetRound target = spec.target == TargetKind::kRelativeError
+                           ? PlanForRelativeError(now, spec.target_value, spec.spp)
+                           : PlanForRmse(now, spec.target_value, spec.spp);
+  if (spec.allocation == AllocationKind::kUniform)
+    target = UniformTarget(spec, now, std::move(target));
   NextRound next;
   next.target_met = target.met;
   next.target_share = target.met_share;
-  if (target.met) return next;
-  const bool uniform = spec.allocation == AllocationKind::kUniform;
-  const Counts ends = uniform ? UniformTarget(spec, now, target.error) : target.ends;
-  next.plan = PlanTo(spec, round, now, ends);
-  next.samples_left = SamplesIn(ends) - SamplesIn(now.samples);
+  // Nothing when no pixel is to get more, met or not: see error_target.h.
+  next.plan = PlanTo(spec, round, now, target.ends);
+  next.samples_left = SamplesIn(target.ends) - SamplesIn(now.samples);
   next.deviation = target.added_deviation;
   return next;
 }
 
 /// A round for a part of the time left, so that a deadline that comes earlier than expected costs
-/// little; the next one takes the same part of what is left then.
+/// little; the next one takes the same part of what is left then. How much that is follows the
+/// clock and the rays of the whole image, which each pixel has its share in.
 NextRound NextForTime(const JobSpec& spec, uint32_t round, const PixelStatistics& now,
                       const TimeLeft& left) {
   constexpr double kPartOfTime = 0.7;

@@ -8,6 +8,11 @@
 
 // Which rounds a job has. Pure functions: a plan depends on the spec and on what the film holds
 // when the rounds before are wholly merged, for TargetKind::kTime on the time left too.
+//
+// With ring allocation, for a sample budget, `--error` and `--rmse`, a pixel's own statistics have
+// no part in how many samples it gets, to the last bit. They have a small one, through figures of
+// the whole image, with `uniform` and an error target (one count for all), and with `--time` (the
+// clock, and the rays of all pixels); with `greedy` they have all.
 
 namespace strata {
 

@@ -38,7 +38,7 @@ PixelStatistics GatherPixelStatistics(const Film& film) {
   const size_t pixels = statistics.size.Pixels();
   statistics.samples.resize(pixels);
   statistics.luminance.resize(pixels);
-  for (std::vector<double>& plane : statistics.variance) plane.resize(pixels);
+  for (Plane& plane : statistics.variance) plane.resize(pixels);
   statistics.rays.resize(pixels);
   statistics.nonfinite.resize(pixels);
 

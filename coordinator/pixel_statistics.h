@@ -23,11 +23,11 @@ inline double Luminance(const double rgb[kColours]) {
 /// that is not enters as zero.
 struct PixelStatistics {
   PlaneSize size;
-  std::vector<uint32_t> samples;           ///< Of each replicate, at least 1.
-  std::vector<double> luminance;           ///< Of the estimate.
-  std::vector<double> variance[kColours];  ///< n stderr^2 with n over all replicates.
-  std::vector<double> rays;                ///< For each sample.
-  std::vector<uint8_t> nonfinite;          ///< Whether the pixel had a sample that was not finite.
+  std::vector<uint32_t> samples;   ///< Of each replicate, at least 1.
+  Plane luminance;                 ///< Of the estimate.
+  Plane variance[kColours];        ///< n stderr^2 with n over all replicates.
+  Plane rays;                      ///< For each sample.
+  std::vector<uint8_t> nonfinite;  ///< Whether the pixel had a sample that was not finite.
 };
 
 /// Requires samples in every pixel of the film. Uses all cores, as a 4K film is 2 GB.

@@ -23,10 +23,11 @@ class PaddedRows {
 };
 
 /// The same for a plane without one, by copies of the rows that are in use: a row lives until
-/// kRingEdge further ones were asked for. Rows are asked for in order, or again.
+/// kRingEdge further ones were asked for. Rows are asked for in order, or again. A row of the plane
+/// may be overwritten once the one kReach further was asked for.
 class CopiedRows {
  public:
-  CopiedRows(PlaneSize size, const std::vector<double>& plane)
+  CopiedRows(PlaneSize size, const Plane& plane)
       : size_(size), plane_(plane.data()), copies_(kRingEdge * Stride()) {}
 
   const double* Row(size_t row) {
@@ -65,18 +66,18 @@ void AddRow(const double* row, size_t width, double* sums) {
 /// Sums of rows first, then of columns of these sums; the pixel's own row comes last, so that
 /// leaving the pixel out needs no subtraction.
 template <size_t kRadius, bool kWithCentre, typename Rows>
-std::vector<double> Sums(PlaneSize size, Rows rows) {
+void Sum(PlaneSize size, Rows rows, double* sums) {
   constexpr size_t kEdge = 2 * kRadius + 1;
   const size_t width = size.width;
   std::vector<double> row_sums(kEdge * width);
-  std::vector<double> sums(size.Pixels());
   for (size_t j = 0; j < size.height + 2 * kRadius; ++j) {
     double* row_sum = &row_sums[j % kEdge * width];
     std::fill_n(row_sum, width, 0.0);
     AddRow<kRadius, true>(rows.Row(j + kReach - kRadius), width, row_sum);
     if (j < 2 * kRadius) continue;
     const size_t y = j - 2 * kRadius;
-    double* sum = &sums[y * width];
+    double* sum = sums + y * width;
+    std::fill_n(sum, width, 0.0);
     for (size_t k = 0; k < kEdge; ++k) {
       if (k == kRadius) continue;
       const double* other = &row_sums[(y + k) % kEdge * width];
@@ -84,15 +85,24 @@ std::vector<double> Sums(PlaneSize size, Rows rows) {
     }
     AddRow<kRadius, kWithCentre>(rows.Row(y + kReach), width, sum);
   }
+}
+
+template <size_t kRadius, bool kWithCentre>
+std::vector<double> Sums(PlaneSize size, const std::vector<double>& padded) {
+  std::vector<double> sums(size.Pixels());
+  Sum<kRadius, kWithCentre>(size, PaddedRows(size, padded), sums.data());
   return sums;
 }
 
-/// How many places of a line of `length` are within reach of each.
+/// How many places of a line of `length` are within reach of the i-th.
+size_t PlacesWithinReach(size_t length, size_t i) {
+  return std::min(i + kReach + 1, length) - (i - std::min(i, kReach));
+}
+
+/// The same of each.
 std::vector<double> WithinReach(size_t length) {
   std::vector<double> counts(length);
-  for (size_t i = 0; i < length; ++i) {
-    counts[i] = static_cast<double>(std::min(i + kReach + 1, length) - (i - std::min(i, kReach)));
-  }
+  for (size_t i = 0; i < length; ++i) counts[i] = static_cast<double>(PlacesWithinReach(length, i));
   return counts;
 }
 
@@ -112,24 +122,73 @@ double RowSum(const double* row, size_t width) {
 }  // namespace
 
 std::vector<double> Neighbourhoods::Block(const std::vector<double>& padded) const {
-  return Sums<1, true>(size_, PaddedRows(size_, padded));
+  return Sums<1, true>(size_, padded);
 }
 
 std::vector<double> Neighbourhoods::Ring(const std::vector<double>& padded) const {
-  return Sums<kReach, false>(size_, PaddedRows(size_, padded));
+  return Sums<kReach, false>(size_, padded);
 }
 
-std::vector<double> RingMeans(PlaneSize size, const std::vector<double>& plane) {
+Plane RingMeans(PlaneSize size, Plane plane) {
   const std::vector<double> rows = WithinReach(size.height), columns = WithinReach(size.width);
-  std::vector<double> means = Sums<kReach, false>(size, CopiedRows(size, plane));
+  Sum<kReach, false>(size, CopiedRows(size, plane), plane.data());
   for (size_t y = 0; y < size.height; ++y) {
-    double* mean = &means[y * size.width];
+    double* mean = &plane[y * size.width];
     for (size_t x = 0; x < size.width; ++x) mean[x] /= rows[y] * columns[x] - 1;
   }
-  return means;
+  return plane;
 }
 
-void VisitMeansOutside(PlaneSize size, const std::vector<double>& plane,
+Plane HighestHalfMeans(PlaneSize size, Plane plane) {
+  const size_t width = size.width;
+  const std::vector<double> rows_inside = WithinReach(size.height),
+                            columns_inside = WithinReach(width);
+  // A half has so many lines, the pixel's own included, when `before` others come before it.
+  const auto lines = [](size_t before) {
+    return static_cast<double>(std::min(before, kReach) + 1);
+  };
+  std::vector<double> lines_left(width);
+  for (size_t x = 0; x < width; ++x) lines_left[x] = lines(x);
+  CopiedRows rows(size, plane);
+  std::vector<double> above(width), below(width), own(width), column(width);
+  std::vector<double> columns(width + 2 * kReach);
+  for (size_t y = 0; y < size.height; ++y) {
+    const double* row[kRingEdge];
+    for (size_t k = 0; k < kRingEdge; ++k) row[k] = rows.Row(y + k);
+    for (std::vector<double>* sums : {&above, &below, &own})
+      std::fill(sums->begin(), sums->end(), 0.0);
+    AddRow<kReach, true>(row[0], width, above.data());
+    AddRow<kReach, true>(row[1], width, above.data());
+    AddRow<kReach, true>(row[3], width, below.data());
+    AddRow<kReach, true>(row[4], width, below.data());
+    AddRow<kReach, false>(row[kReach], width, own.data());
+    for (size_t x = 0; x < columns.size(); ++x) {
+      columns[x] = row[0][x] + row[1][x] + row[2][x] + row[3][x] + row[4][x];
+    }
+    for (size_t x = 0; x < width; ++x) {
+      const size_t k = x + kReach;
+      column[x] = row[0][k] + row[1][k] + row[3][k] + row[4][k];
+    }
+    const double lines_above = lines(y), lines_below = lines(size.height - 1 - y);
+    double* out = &plane[y * width];
+    for (size_t x = 0; x < width; ++x) {
+      const double left = columns[x] + columns[x + 1], right = columns[x + 3] + columns[x + 4];
+      const double of_rows = std::max((above[x] + own[x]) / (lines_above * columns_inside[x] - 1),
+                                      (below[x] + own[x]) / (lines_below * columns_inside[x] - 1));
+      const double of_columns =
+          std::max((left + column[x]) / (lines_left[x] * rows_inside[y] - 1),
+                   (right + column[x]) / (lines_left[width - 1 - x] * rows_inside[y] - 1));
+      out[x] = std::max(of_rows, of_columns);
+    }
+  }
+  return plane;
+}
+
+size_t PixelsInside(PlaneSize size, size_t x, size_t y) {
+  return PlacesWithinReach(size.width, x) * PlacesWithinReach(size.height, y);
+}
+
+void VisitMeansOutside(PlaneSize size, const Plane& plane,
                        const std::function<void(size_t y, const double* means)>& visit) {
   const size_t width = size.width, height = size.height;
   // above[y]: rows before y; below[y]: rows from y on.

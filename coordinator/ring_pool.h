@@ -4,18 +4,14 @@
 #include <functional>
 #include <vector>
 
+#include "coordinator/plane.h"
+
 // Sums and means over the neighbours of each pixel of a plane, and over all the rest of it.
 //
 // What is said of "without the pixel" and "outside" holds to the last bit: the values left out
 // enter no sum that is used, not even to be subtracted again. All sums run in a fixed order.
 
 namespace strata {
-
-/// A row-major plane of width x height pixels.
-struct PlaneSize {
-  size_t width = 0, height = 0;
-  size_t Pixels() const { return width * height; }
-};
 
 /// Sums over square neighbourhoods. The order of additions is the same for every pixel of an image,
 /// wherever it lies in its plane.
@@ -35,9 +31,14 @@ class Neighbourhoods {
   PlaneSize size_;
 };
 
-/// The mean over the 5x5 ring without the pixel, the ring clipped at the border of the plane.
-/// Requires at least 2 pixels in each direction.
-std::vector<double> RingMeans(PlaneSize size, const std::vector<double>& plane);
+/// In the place of each value the mean over the pixel's 5x5 ring without the pixel, the ring clipped
+/// at the border of the plane. Requires at least 2 pixels in each direction.
+Plane RingMeans(PlaneSize size, Plane plane);
+
+/// The same with the greatest of four means over the ring's halves: the 14 pixels above the pixel
+/// and in its row, below and in its row, left and in its column, right and in its column. Beside an
+/// edge one half at least lies wholly on the pixel's side.
+Plane HighestHalfMeans(PlaneSize size, Plane plane);
 
 /// Whether there are pixels outside of the 5x5 around each one.
 inline bool HasOutside(PlaneSize size) {
@@ -45,11 +46,14 @@ inline bool HasOutside(PlaneSize size) {
   return size.width > kEdge || size.height > kEdge;
 }
 
+/// How many pixels the 5x5 around a pixel has, clipped at the border of the plane.
+size_t PixelsInside(PlaneSize size, size_t x, size_t y);
+
 /// Calls visit(y, means of the row) for each row, from the first to the last: for each pixel the
 /// mean over all pixels outside of the 5x5 around it. No cancellation, since nothing is subtracted:
 /// whatever lies inside, NaN included, has no influence. Requires more than 5 pixels in one
 /// direction at least. Time is linear in the pixels.
-void VisitMeansOutside(PlaneSize size, const std::vector<double>& plane,
+void VisitMeansOutside(PlaneSize size, const Plane& plane,
                        const std::function<void(size_t y, const double* means)>& visit);
 
 }  // namespace strata

@@ -33,19 +33,19 @@ class Forecast {
     for (int c = 1; c < kColours; ++c) {
       for (size_t i = 0; i < own_.size(); ++i) own_[i] += now.variance[c][i];
     }
+    // Of a replicate; the mean square error is over channels, too.
+    for (double& own : own_) own /= kReplicates * kColours;
+    inside_ = HighestHalfMeans(now.size, own_);
     share_ = RingMeans(now.size, own_);
-    const std::vector<double> rays = RingMeans(now.size, now.rays);
-    for (size_t i = 0; i < share_.size(); ++i) {
-      share_[i] = std::sqrt(share_[i] / std::max(rays[i], 1.0)) / kReplicates;
-      // Of a replicate, per unit of K; the mean square error is over channels, too.
-      own_[i] /= kReplicates * kColours;
-    }
+    const Plane rays = RingMeans(now.size, now.rays);
+    for (size_t i = 0; i < share_.size(); ++i)
+      share_[i] = std::sqrt(share_[i] / std::max(rays[i], 1.0));
   }
 
-  const std::vector<double>& share() const { return share_; }
+  const Plane& share() const { return share_; }
   double cap() const { return cap_; }
 
-  /// Samples of each replicate; at least what the pixel has.
+  /// Samples of each replicate; at least what the pixel has. K = 0: what it has.
   double Samples(size_t i, double k) const {
     const double has = now_.samples[i];
     return std::max(has, std::min(std::ceil(k * share_[i]), cap_));
@@ -53,8 +53,13 @@ class Forecast {
   /// Of a pixel's mean, averaged over the channels. From its own variance, which is not biased by
   /// how its count was found, as its count is from its ring.
   double SquaredError(size_t i, double k) const { return own_[i] / Samples(i, k); }
+  /// The same of a pixel of i's 5x5, if it has i's samples and the variance of that half of i's
+  /// ring where it is greatest. The mean over the ring would be too little where a few pixels,
+  /// close together, have most of the noise: they would stop first, and the target would never be
+  /// met.
+  double SquaredErrorInside(size_t i, double k) const { return inside_[i] / Samples(i, k); }
 
-  void Fill(std::vector<double>& plane, double k) const {
+  void Fill(Plane& plane, double k) const {
     plane.resize(own_.size());
     for (size_t i = 0; i < plane.size(); ++i) plane[i] = SquaredError(i, k);
   }
@@ -67,10 +72,11 @@ class Forecast {
  private:
   const PixelStatistics& now_;
   double cap_;
-  std::vector<double> own_, share_;
+  Plane own_, inside_, share_;
 };
 
-/// Indices of the grid: `first` gives no pixel more than it has, `last` gives each the cap.
+/// Indices of the grid: `first` and those before it give no pixel more than it has, `last` gives
+/// each the cap.
 struct GridRange {
   int first = 0, last = 0;
 };
@@ -88,28 +94,44 @@ GridRange RangeOf(const PixelStatistics& now, const Forecast& forecast) {
   return {first, std::max(first, GridIndex(forecast.cap() / smallest) + 1)};
 }
 
-/// For each pixel the least index with which the mean square outside of its 5x5 is small enough;
-/// the last one if none is. Larger K make no term of the sums larger, and sums in the same order
+/// The mean square as it is planned for each pixel: of the pixels outside of its 5x5 what they
+/// show, of those inside what its ring shows. Calls visit(i, mean).
+template <typename Visit>
+void VisitMeanSquares(PlaneSize size, const Forecast& forecast, double k, Visit visit) {
+  const double pixels = static_cast<double>(size.Pixels());
+  Plane plane;
+  forecast.Fill(plane, k);
+  VisitMeansOutside(size, plane, [&](size_t y, const double* means) {
+    for (size_t x = 0, i = y * size.width; x < size.width; ++x, ++i) {
+      const double inside = static_cast<double>(PixelsInside(size, x, y)) / pixels;
+      visit(i, (1 - inside) * means[x] + inside * forecast.SquaredErrorInside(i, k));
+    }
+  });
+}
+
+/// For each pixel the least index with which its mean square is at most `planned`; the last one if
+/// none is; range.first - 1, with which no pixel gets more than it has, if the mean square is at
+/// most `wanted` as it stands. Larger K make no term of the sums larger, and sums in the same order
 /// are monotone in their terms even when rounded, so each pixel's index is well defined: it depends
-/// on its outside alone, while the order in which indices are tried depends on the whole image.
+/// on its mean square alone, while the order in which indices are tried depends on the whole image.
 std::vector<int> LeastIndices(PlaneSize size, const Forecast& forecast, GridRange range,
-                              double mean_square) {
-  std::vector<int> fails(size.Pixels(), range.first - 1), holds(size.Pixels(), range.last);
-  std::vector<double> plane;
+                              double wanted, double planned) {
+  const int none = range.first - 1;
+  std::vector<int> fails(size.Pixels(), none), holds(size.Pixels(), range.last);
+  VisitMeanSquares(size, forecast, 0, [&](size_t i, double mean_square) {
+    if (mean_square <= wanted) holds[i] = none;
+  });
   const auto attempt = [&](int index) {
-    forecast.Fill(plane, GridValue(index));
-    VisitMeansOutside(size, plane, [&](size_t y, const double* means) {
-      for (size_t x = 0, i = y * size.width; x < size.width; ++x, ++i) {
-        if (index <= fails[i] || index >= holds[i]) continue;
-        (means[x] <= mean_square ? holds[i] : fails[i]) = index;
-      }
+    VisitMeanSquares(size, forecast, GridValue(index), [&](size_t i, double mean_square) {
+      if (index <= fails[i] || index >= holds[i]) return;
+      (mean_square <= planned ? holds[i] : fails[i]) = index;
     });
   };
   // Most pixels have the index of the image as a whole.
-  GridRange whole{range.first - 1, range.last};
+  GridRange whole{none, range.last};
   while (whole.last - whole.first > 1) {
     const int middle = whole.first + (whole.last - whole.first) / 2;
-    (forecast.MeanSquare(GridValue(middle)) <= mean_square ? whole.last : whole.first) = middle;
+    (forecast.MeanSquare(GridValue(middle)) <= planned ? whole.last : whole.first) = middle;
   }
   attempt(whole.last);
   attempt(whole.last - 1);
@@ -125,7 +147,7 @@ TargetRound PlanForRmse(const PixelStatistics& now, double rmse, uint32_t spp) {
   if (!HasOutside(now.size)) return PlanCap(now, spp);
   const Forecast forecast(now, spp);
   const std::vector<int> indices =
-      LeastIndices(now.size, forecast, RangeOf(now, forecast), kMargin * rmse * rmse);
+      LeastIndices(now.size, forecast, RangeOf(now, forecast), rmse * rmse, kMargin * rmse * rmse);
   TargetRound round{now.samples};
   double squares = 0, sum = 0, uncertain = 0;
   for (size_t i = 0; i < indices.size(); ++i) {
@@ -137,11 +159,12 @@ TargetRound PlanForRmse(const PixelStatistics& now, double rmse, uint32_t spp) {
     sum += squared_error;
     squares += squared_error * squared_error;
   }
-  // K is proportional to a mean of variances with 7 degrees of freedom each, whose squares are too
-  // large by 9/7 on average.
+  // Of a mean of variances with 7 degrees of freedom each, whose squares are too large by 9/7 on
+  // average. K is proportional to it.
   constexpr double kDegrees = kReplicates - 1;
   if (sum > 0) {
-    round.added_deviation = kReplicates * uncertain * std::sqrt(2 / (kDegrees + 2) * squares) / sum;
+    round.square_deviation = std::sqrt(2 / (kDegrees + 2) * squares) / sum;
+    round.added_deviation = kReplicates * uncertain * round.square_deviation;
   }
   round.error = std::sqrt(forecast.MeanSquare(0));
   round.met = round.error <= rmse;

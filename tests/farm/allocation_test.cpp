@@ -31,7 +31,7 @@ PixelStatistics RoughPilot(PlaneSize size) {
     const double u = uniform();
     pilot.samples.push_back(PilotSamples(size, kSpp) / kReplicates);
     pilot.luminance.push_back(u * u * u * u);
-    for (std::vector<double>& variance : pilot.variance) {
+    for (Plane& variance : pilot.variance) {
       variance.push_back(uniform() * (i % size.width < 10 ? 4 : 0.25));
     }
     pilot.rays.push_back(2 + 8 * uniform());
@@ -44,7 +44,7 @@ PixelStatistics RoughPilot(PlaneSize size) {
 PixelStatistics Changed(PixelStatistics pilot, size_t i, double luminance, double variance,
                         double rays) {
   pilot.luminance[i] = luminance;
-  for (std::vector<double>& channel : pilot.variance) channel[i] = variance;
+  for (Plane& channel : pilot.variance) channel[i] = variance;
   pilot.rays[i] = rays;
   pilot.nonfinite[i] ^= 1;
   return pilot;
@@ -87,7 +87,7 @@ TEST(AllocationTest, FollowsItsDefinition) {
     for (size_t j = 0; j < size.Pixels(); ++j) {
       if (j == i || !inside(i, j)) continue;
       const double relative_to = std::max(pilot.luminance[j], least);
-      for (const std::vector<double>& channel : pilot.variance)
+      for (const Plane& channel : pilot.variance)
         weighted += channel[j] / (relative_to * relative_to);
       rays += pilot.rays[j];
     }
@@ -134,10 +134,9 @@ TEST(AllocationTest, APixelsOwnStatisticsDoNotMoveItsCount) {
 
 TEST(AllocationTest, StaysBetweenPilotAndCap) {
   PixelStatistics pilot = RoughPilot({64, 64});
-  for (std::vector<double>& variance : pilot.variance)
-    std::fill(variance.begin(), variance.end(), 0);
+  for (Plane& variance : pilot.variance) std::fill(variance.begin(), variance.end(), 0);
   for (const size_t i : {64 * 10 + 10, 64 * 40 + 40}) {
-    for (std::vector<double>& variance : pilot.variance) variance[i] = 1;
+    for (Plane& variance : pilot.variance) variance[i] = 1;
   }
   const std::vector<uint32_t> counts = AllocateByRing(pilot, kSpp);
   EXPECT_EQ(*std::max_element(counts.begin(), counts.end()), kSpp) << "8 N over all replicates";
@@ -157,13 +156,13 @@ TEST(AllocationTest, IsUniformWhereNothingIsKnown) {
   PixelStatistics equal = RoughPilot(size);
   std::fill(equal.luminance.begin(), equal.luminance.end(), 0.5);
   std::fill(equal.rays.begin(), equal.rays.end(), 3);
-  for (std::vector<double>& v : equal.variance) std::fill(v.begin(), v.end(), 0.1);
+  for (Plane& v : equal.variance) std::fill(v.begin(), v.end(), 0.1);
   EXPECT_EQ(AllocateByRing(equal, kSpp), all(size, kSpp / 8));
 
   PixelStatistics black = equal;
   std::fill(black.luminance.begin(), black.luminance.end(), 0);
   EXPECT_EQ(AllocateByRing(black, kSpp), all(size, kSpp / 8));
-  for (std::vector<double>& v : black.variance) std::fill(v.begin(), v.end(), 0);
+  for (Plane& v : black.variance) std::fill(v.begin(), v.end(), 0);
   EXPECT_EQ(AllocateByRing(black, kSpp), all(size, kSpp / 8));
   EXPECT_EQ(AllocateByOwnPixel(black, kSpp), all(size, kSpp / 8));
 }

@@ -7,50 +7,15 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <tuple>
+#include <string>
 #include <utility>
 
-#include "coordinator/allocation.h"
-#include "tests/farm/synthetic_image.h"
+#include "tests/farm/synthetic_job.h"
 
 namespace strata {
 namespace {
 
-constexpr uint32_t kCap = 1 << 16;
-
-using Plan = TargetRound (*)(const PixelStatistics&, double, uint32_t);
-
-/// Rare bright samples of many heights over noise of many levels.
-SyntheticImage SkewedImage(size_t edge) {
-  return SyntheticImage({edge, edge}, [edge](size_t x, size_t y) {
-    const double u = static_cast<double>(x) / static_cast<double>(edge);
-    const double v = static_cast<double>(y) / static_cast<double>(edge);
-    SyntheticPixel pixel{0.1 + 0.4 * u, 0, 0, 0.05 + 0.3 * u * v};
-    if (v > 0.6) pixel.bright = 1 + 4 * u;
-    if (v > 0.6) pixel.probability = 0.05;
-    return pixel;
-  });
-}
-
-struct Finished {
-  int rounds = 0;
-  double average = 0;  ///< Samples of a pixel, over all replicates.
-  TargetRound last;
-};
-
-/// The pilot of 64, and rounds to the end.
-Finished RenderTo(SyntheticRender& render, Plan plan, double target, uint32_t cap = kCap) {
-  Finished finished;
-  render.RenderTo(8);
-  finished.last = plan(render.Statistics(), target, cap);
-  while (finished.last.added > 0 && finished.rounds < 50) {
-    ++finished.rounds;
-    render.RenderTo(finished.last.ends);
-    finished.last = plan(render.Statistics(), target, cap);
-  }
-  finished.average = render.AverageSamples();
-  return finished;
-}
+using enum TargetKind;
 
 double MeanLuminance(const SyntheticImage& image) {
   double sum = 0;
@@ -94,256 +59,281 @@ double OracleForRmse(const SyntheticImage& image, double rmse) {
   return sum / pixels;
 }
 
-TEST(ErrorTargetTest, MeetsARelativeErrorForLessThanTwiceTheLeast) {
-  const SyntheticImage image = SkewedImage(96);
-  for (const double error : {0.2, 0.1, 0.05}) {
-    double average = 0, met = 0, rounds = 0;
-    constexpr int kSeeds = 5;
-    for (uint64_t seed = 0; seed < kSeeds; ++seed) {
-      SyntheticRender render(image, seed);
-      const Finished finished = RenderTo(render, &PlanForRelativeError, error);
-      EXPECT_TRUE(finished.last.met);
-      EXPECT_GE(finished.last.met_share, 0.99);
-      EXPECT_LE(finished.last.error, error);
-      EXPECT_LE(finished.rounds, 6);
-      average += finished.average / kSeeds;
-      rounds += finished.rounds * 1.0 / kSeeds;
-      const std::vector<double> needs = TrueNeeds(image, error);
-      double truly = 0;
-      for (size_t i = 0; i < needs.size(); ++i) truly += 8 * render.Samples(i) >= needs[i];
-      met += truly / static_cast<double>(needs.size()) / kSeeds;
-    }
-    const double oracle = OracleForRelativeError(image, error);
-    std::printf("error %.2f: %.0f samples, oracle %.0f, ratio %.3f; %.1f rounds; truly met %.4f\n",
-                error, average, oracle, average / oracle, rounds, met);
-    EXPECT_LT(average, 2 * oracle);
-    EXPECT_GT(met, 0.97);
+/// Means over the seeds of an image size, which are fewer the larger it is.
+struct Price {
+  double average = 0, rounds = 0;
+  double truth = 0;  ///< Share that truly meets `--error`; true rmse over the one wanted.
+  double oracle = 0;
+  double Ratio() const { return average / oracle; }
+};
+
+double Truth(const SyntheticImage& image, const SyntheticRender& render, const JobSpec& spec) {
+  const double pixels = static_cast<double>(image.pixels().size());
+  double sum = 0;
+  if (spec.target == kRelativeError) {
+    const std::vector<double> needs = TrueNeeds(image, spec.target_value);
+    for (size_t i = 0; i < needs.size(); ++i) sum += 8 * render.Samples(i) >= needs[i];
+    return sum / pixels;
   }
+  for (size_t i = 0; i < image.pixels().size(); ++i) {
+    sum += image.pixels()[i].Variance() / (8 * render.Samples(i));
+  }
+  return std::sqrt(sum / pixels) / spec.target_value;
 }
 
-TEST(ErrorTargetTest, MeetsAnRmseForLessThanTwiceTheLeast) {
-  const SyntheticImage image = SkewedImage(96);
-  for (const double rmse : {0.03, 0.02, 0.01}) {
-    double average = 0, truth = 0, rounds = 0;
-    constexpr int kSeeds = 5;
-    for (uint64_t seed = 0; seed < kSeeds; ++seed) {
-      SyntheticRender render(image, seed);
-      const Finished finished = RenderTo(render, &PlanForRmse, rmse);
-      EXPECT_TRUE(finished.last.met);
-      EXPECT_LE(finished.last.error, rmse);
-      EXPECT_LE(finished.rounds, 6);
-      average += finished.average / kSeeds;
-      rounds += finished.rounds * 1.0 / kSeeds;
-      double squares = 0;
-      for (size_t i = 0; i < image.pixels().size(); ++i) {
-        squares += image.pixels()[i].Variance() / (8 * render.Samples(i));
+Price PriceOf(const SyntheticImage& image, TargetKind target, double value) {
+  const size_t pixels = image.pixels().size();
+  const int seeds = SeedsOr(static_cast<int>(std::max<size_t>(2, 20000 / pixels)));
+  const JobSpec spec = SyntheticSpec(image.size(), target, value);
+  Price price;
+  price.oracle =
+      target == kRelativeError ? OracleForRelativeError(image, value) : OracleForRmse(image, value);
+  for (int seed = 0; seed < seeds; ++seed) {
+    SyntheticRender render(image, static_cast<uint64_t>(seed));
+    const Finished finished = RenderJob(render, spec);
+    EXPECT_TRUE(finished.last.target_met);
+    EXPECT_GE(finished.last.target_share, 0.99);
+    EXPECT_LE(finished.rounds, 8);
+    price.average += finished.average / seeds;
+    price.rounds += finished.rounds * 1.0 / seeds;
+    price.truth += Truth(image, render, spec) / seeds;
+  }
+  return price;
+}
+
+constexpr std::pair<const char*, SyntheticImage (*)(size_t)> kImages[] = {
+    {"skewed", &SkewedImage}, {"uneven", &UnevenImage}, {"lamp", &LampImage}, {"rare", &RareImage}};
+constexpr size_t kEdges[] = {64, 128, 192};
+
+// The rows of the tables in docs/accuracy.md, "Targets".
+TEST(TargetPriceTest, ARelativeErrorIsMetForLessThanTwiceTheLeast) {
+  for (const auto& [name, image_of] : kImages) {
+    for (const double error : {0.4, 0.2, 0.1, 0.05}) {
+      std::string ratios, met;
+      Price largest;
+      for (const size_t edge : kEdges) {
+        const Price price = largest = PriceOf(image_of(edge), kRelativeError, error);
+        char text[20];
+        std::snprintf(text, sizeof(text), " %.2f |", price.Ratio());
+        ratios += text;
+        std::snprintf(text, sizeof(text), " %.1f |", 100 * price.truth);
+        met += text;
+        // Below 32 samples the pilot alone may be more than twice the least.
+        if (price.oracle > 32) {
+          EXPECT_LT(price.Ratio(), 2) << name << ' ' << error << ' ' << edge;
+        }
+        // Where samples are few and rare ones matter, variances are found too small.
+        if (std::string(name) != "rare" && error < 0.4) {
+          EXPECT_GT(price.truth, 0.985);
+        }
       }
-      truth += std::sqrt(squares / static_cast<double>(image.pixels().size())) / kSeeds;
+      std::printf("| %s | %g %% | %.0f | %.0f |%s%s %.1f |\n", name, 100 * error, largest.oracle,
+                  largest.average, ratios.c_str(), met.c_str(), largest.rounds);
     }
-    const double oracle = OracleForRmse(image, rmse);
-    std::printf("rmse %.3f: %.0f samples, oracle %.0f, ratio %.3f; %.1f rounds; true rmse %.4f\n",
-                rmse, average, oracle, average / oracle, rounds, truth);
-    EXPECT_LT(average, 2 * oracle);
-    EXPECT_NEAR(truth, rmse, 0.05 * rmse);
   }
 }
 
-TEST(ErrorTargetTest, PredictsWhatWillBeNeeded) {
-  const SyntheticImage image = SkewedImage(64);
-  for (const auto& [plan, target] : {std::pair<Plan, double>{&PlanForRelativeError, 0.05},
-                                     std::pair<Plan, double>{&PlanForRmse, 0.01}}) {
-    std::vector<double> added;
-    double claimed = 0;
-    constexpr int kSeeds = 60;
-    for (uint64_t seed = 0; seed < kSeeds; ++seed) {
-      SyntheticRender render(image, seed);
-      render.RenderTo(8);
-      const TargetRound round = plan(render.Statistics(), target, kCap);
-      added.push_back(static_cast<double>(round.added));
-      claimed += round.added_deviation / kSeeds;
+TEST(TargetPriceTest, AnRmseIsMetForLessThanTwiceTheLeast) {
+  for (const auto& [name, image_of] : kImages) {
+    for (const double samples : {50.0, 200.0, 1000.0}) {
+      std::string ratios, truths;
+      Price largest;
+      double rmse = 0;
+      for (const size_t edge : kEdges) {
+        const SyntheticImage image = image_of(edge);
+        rmse = std::sqrt(OracleForRmse(image, 0.001) / samples) * 0.001;
+        const Price price = largest = PriceOf(image, kRmse, rmse);
+        char text[20];
+        std::snprintf(text, sizeof(text), " %.2f |", price.Ratio());
+        ratios += text;
+        std::snprintf(text, sizeof(text), " %.3f |", price.truth);
+        truths += text;
+        EXPECT_LT(price.Ratio(), 2) << name << ' ' << samples << ' ' << edge;
+        if (std::string(name) != "rare") {
+          EXPECT_NEAR(price.truth, 1, 0.05);
+        }
+      }
+      std::printf("| %s | %.4f | %.0f | %.0f |%s%s %.1f |\n", name, rmse, largest.oracle,
+                  largest.average, ratios.c_str(), truths.c_str(), largest.rounds);
     }
-    double mean = 0, squares = 0;
-    for (const double a : added) mean += a / kSeeds;
-    for (const double a : added) squares += (a - mean) * (a - mean) / (kSeeds - 1);
-    std::printf("added %.0f, claimed deviation %.4f, seen %.4f of it\n", mean, claimed / mean,
-                std::sqrt(squares) / mean);
-    EXPECT_GT(claimed, 0.5 * std::sqrt(squares));
-    EXPECT_LT(claimed, 2 * std::sqrt(squares));
+  }
+}
+
+TEST(TargetPriceTest, IsPredicted) {
+  const SyntheticImage image = SkewedImage(64);
+  for (const AllocationKind allocation : {AllocationKind::kRing, AllocationKind::kUniform}) {
+    for (const auto& [target, value] : {std::pair{kRelativeError, 0.05}, {kRmse, 0.01}}) {
+      const JobSpec spec = SyntheticSpec(image.size(), target, value, allocation);
+      constexpr int kSeeds = 60;
+      double sum = 0, squares = 0, claimed = 0;
+      for (uint64_t seed = 0; seed < kSeeds; ++seed) {
+        SyntheticRender render(image, seed);
+        render.RenderTo(8);
+        const NextRound next = PlanNextRound(spec, 1, render.Statistics());
+        sum += next.samples_left;
+        squares += next.samples_left * next.samples_left;
+        claimed += next.deviation / kSeeds;
+      }
+      const double mean = sum / kSeeds;
+      const double seen = std::sqrt((squares - sum * mean) / (kSeeds - 1));
+      std::printf("%.0f samples left, claimed deviation %.4f, seen %.4f of it\n", mean,
+                  claimed / mean, seen / mean);
+      EXPECT_GT(claimed, 0.5 * seen);
+      EXPECT_LT(claimed, 2 * seen);
+    }
   }
 }
 
 // ---- what decides ----
 
-class EitherTarget : public ::testing::TestWithParam<std::pair<Plan, double>> {
+class EitherTarget : public ::testing::TestWithParam<std::pair<TargetKind, double>> {
  protected:
-  TargetRound Next(const PixelStatistics& now, uint32_t cap = kCap) const {
-    return GetParam().first(now, GetParam().second, cap);
+  JobSpec Spec(PlaneSize size, double times = 1, uint32_t cap = 1 << 16) const {
+    return SyntheticSpec(size, GetParam().first, GetParam().second * times, AllocationKind::kRing,
+                         cap);
   }
 };
 INSTANTIATE_TEST_SUITE_P(Targets, EitherTarget,
-                         ::testing::Values(std::pair<Plan, double>{&PlanForRelativeError, 0.1},
-                                           std::pair<Plan, double>{&PlanForRmse, 0.02}));
+                         ::testing::Values(std::pair{kRelativeError, 0.1}, std::pair{kRmse, 0.02}));
 
-TEST_P(EitherTarget, APixelsOwnStatisticsDoNotMoveItsSamples) {
-  const SyntheticImage image = SkewedImage(40);
+/// What pixel i's statistics may be, from none to absurd.
+PixelStatistics WithPixel(PixelStatistics now, size_t i, double size) {
+  now.luminance[i] = size;
+  for (Plane& variance : now.variance) variance[i] = size * size;
+  now.rays[i] = 1 + 50 * size;
+  now.nonfinite[i] = 1;
+  return now;
+}
+
+/// Renders a job; at each round's end, the last one included, asks of some pixels whether their
+/// own statistics move the plan for them, and calls told(own moved, others moved, met moved).
+template <typename Told>
+void PerturbPixels(const JobSpec& spec, size_t edge, Told told) {
+  const SyntheticImage image = SkewedImage(edge);
   SyntheticRender render(image, 4);
-  render.RenderTo(8);
-  // Also near the end, where most pixels have enough.
-  for (int round = 0; round < 3; ++round) {
+  render.RenderTo(PlanFirstRound(spec).classes[0].range.end);
+  for (uint32_t finished = 1;; ++finished) {
     const PixelStatistics now = render.Statistics();
-    const TargetRound expected = Next(now);
-    int others_moved = 0;
-    for (const size_t i : {0, 1, 39, 200, 417, 800, 1000, 1203, 1560, 1562, 1599}) {
+    const NextRound next = PlanNextRound(spec, finished, now);
+    const std::vector<uint32_t> ends = EndsOf(next.plan, now);
+    for (size_t i = 0; i < ends.size(); i += i < edge ? edge / 2 - 1 : 173) {
       for (const double size : {0.0, 1e-20, 1.0, 1e30}) {
-        PixelStatistics changed = now;
-        changed.luminance[i] = size;
-        for (std::vector<double>& variance : changed.variance) variance[i] = size * size;
-        changed.rays[i] = 1 + 50 * size;
-        changed.nonfinite[i] = 1;
-        const TargetRound moved = Next(changed);
-        EXPECT_EQ(moved.ends[i], expected.ends[i]) << "pixel " << i << ", round " << round;
-        others_moved += moved.ends != expected.ends;
+        const NextRound moved = PlanNextRound(spec, finished, WithPixel(now, i, size));
+        told(EndOf(moved.plan, now, i) != ends[i], EndsOf(moved.plan, now) != ends,
+             moved.target_met != next.target_met);
       }
     }
-    EXPECT_GT(others_moved, 0);
-    render.RenderTo(expected.ends);
+    if (!next.plan) break;
+    render.RenderTo(ends);
+  }
+}
+
+TEST(ErrorTargetTest, APixelsOwnStatisticsDoNotMoveItsSamples) {
+  for (const auto& [target, value] :
+       {std::pair{kRelativeError, 0.1}, {kRmse, 0.02}, {kSamples, 0.0}}) {
+    for (const size_t edge : {40, 72}) {
+      const uint32_t spp = target == kSamples ? 256 : 1 << 16;
+      int others_moved = 0, met_moved = 0;
+      PerturbPixels(SyntheticSpec({edge, edge}, target, value, AllocationKind::kRing, spp), edge,
+                    [&](bool own, bool others, bool met) {
+                      EXPECT_FALSE(own);
+                      others_moved += others;
+                      met_moved += met;
+                    });
+      EXPECT_GT(others_moved, 0) << "they do move those of others";
+      // What is said of the whole image decides nothing.
+      if (target == kRmse) {
+        EXPECT_GT(met_moved, 0);
+      }
+    }
+  }
+}
+
+TEST(ErrorTargetTest, WithUniformAllocationTheyDo) {
+  for (const auto& [target, value] : {std::pair{kRelativeError, 0.1}, {kRmse, 0.02}}) {
+    int own_moved = 0;
+    PerturbPixels(SyntheticSpec({40, 40}, target, value, AllocationKind::kUniform), 40,
+                  [&](bool own, bool, bool) { own_moved += own; });
+    EXPECT_GT(own_moved, 0);
+  }
+}
+
+TEST_P(EitherTarget, IsMetBelowTheCapWhereTheNoiseIsInOnePlace) {
+  for (const size_t edge : {24, 32, 40, 64, 100}) {
+    for (const auto& [width, height] : {std::pair<size_t, size_t>{4, 3}, {5, 5}, {8, 8}}) {
+      const SyntheticImage image({edge, edge}, [&](size_t x, size_t y) {
+        const bool noisy = x >= 7 && x < 7 + width && y >= 9 && y < 9 + height;
+        return SyntheticPixel{1, 0, 0, noisy ? 2.0 : 0.1};
+      });
+      SyntheticRender render(image, 9);
+      const Finished finished = RenderJob(render, Spec({edge, edge}));
+      EXPECT_TRUE(finished.last.target_met) << edge << ": " << width << 'x' << height;
+      EXPECT_LE(finished.rounds, 12);
+      EXPECT_LT(finished.average, 4000);
+    }
   }
 }
 
 TEST_P(EitherTarget, StopsAtTheCap) {
   const SyntheticImage image = SkewedImage(40);
   SyntheticRender render(image, 5);
-  const Finished finished = RenderTo(render, GetParam().first, GetParam().second / 100, 128);
-  EXPECT_FALSE(finished.last.met);
-  EXPECT_EQ(finished.last.added, 0u);
-  EXPECT_GT(finished.last.error, GetParam().second / 100);
-  EXPECT_EQ(*std::max_element(finished.last.ends.begin(), finished.last.ends.end()), 16u);
+  const Finished finished = RenderJob(render, Spec({40, 40}, 0.01, 128));
+  EXPECT_FALSE(finished.last.target_met);
+  EXPECT_EQ(finished.average, 128);
 }
 
 TEST_P(EitherTarget, IsMetByABlackPicture) {
   const SyntheticImage image({40, 40}, [](size_t, size_t) { return SyntheticPixel{}; });
   SyntheticRender render(image, 6);
-  const Finished finished = RenderTo(render, GetParam().first, GetParam().second);
-  EXPECT_TRUE(finished.last.met);
+  const Finished finished = RenderJob(render, Spec({40, 40}));
+  EXPECT_TRUE(finished.last.target_met);
   EXPECT_EQ(finished.rounds, 0);
-  EXPECT_EQ(finished.last.error, 0);
-  EXPECT_EQ(finished.last.met_share, 1);
+  EXPECT_EQ(finished.last.target_share, 1);
 }
 
-TEST_P(EitherTarget, GivesCropsWithoutNeighboursTheCap) {
+TEST(ErrorTargetTest, GivesCropsWithoutNeighboursTheCap) {
   const SyntheticImage image({5, 4}, [](size_t, size_t) { return SyntheticPixel{1, 0, 0, 1}; });
   SyntheticRender render(image, 7);
   render.RenderTo(8);
-  const TargetRound round = Next(render.Statistics(), 1024);
-  EXPECT_EQ(round.ends, std::vector<uint32_t>(20, 128));
-  EXPECT_EQ(round.added, 20u * 8 * 120);
-  EXPECT_FALSE(round.met);
+  const PixelStatistics now = render.Statistics();
+  for (const TargetRound& round :
+       {PlanForRelativeError(now, 0.1, 1024), PlanForRmse(now, 0.02, 1024)}) {
+    EXPECT_EQ(round.ends, std::vector<uint32_t>(20, 128));
+    EXPECT_EQ(round.added, 20u * 8 * 120);
+    EXPECT_FALSE(round.met);
+  }
+}
+
+PixelStatistics AfterPilot(const SyntheticImage& image) {
+  SyntheticRender render(image, 8);
+  render.RenderTo(8);
+  return render.Statistics();
 }
 
 TEST(ErrorTargetTest, DoesNotJudgePixelsWithSamplesThatWereNotFinite) {
-  const SyntheticImage image = SkewedImage(40);
-  SyntheticRender render(image, 8);
-  render.RenderTo(8);
-  PixelStatistics now = render.Statistics();
-  const double all = PlanForRelativeError(now, 0.3, kCap).met_share;
+  PixelStatistics now = AfterPilot(SkewedImage(40));
+  const double all = PlanForRelativeError(now, 0.3, 1 << 16).met_share;
   EXPECT_LT(all, 0.95);
   for (size_t i = 24 * 40; i < 1600; ++i) now.nonfinite[i] = 1;  // Where the bright samples are.
-  EXPECT_GT(PlanForRelativeError(now, 0.3, kCap).met_share, all + 0.05);
+  EXPECT_GT(PlanForRelativeError(now, 0.3, 1 << 16).met_share, all + 0.05);
 }
 
-// ---- bias ----
-
-SyntheticImage Fireflies() {
-  return SyntheticImage({32, 32}, [](size_t, size_t) { return SyntheticPixel{0.05, 2, 0.1, 0}; });
-}
-
-/// The control: each pixel goes on until its own interval is narrow enough.
-TargetRound PlanByOwnPixel(const PixelStatistics& now, double error, uint32_t cap) {
-  TargetRound round{now.samples};
-  for (size_t i = 0; i < round.ends.size(); ++i) {
-    const double widest = error * std::max(now.luminance[i], 0.01) / kStudent50;
-    const double wanted = std::ceil(now.variance[0][i] / (widest * widest) / kReplicates);
-    round.ends[i] = static_cast<uint32_t>(std::clamp<double>(wanted, round.ends[i], cap));
-    round.added += kReplicates * uint64_t{round.ends[i] - now.samples[i]};
+TEST(ErrorTargetTest, JudgesAPixelByItselfWhereNoneAroundItShowsNoise) {
+  PixelStatistics now =
+      AfterPilot(SyntheticImage({40, 40}, [](size_t, size_t) { return SyntheticPixel{0.5}; }));
+  EXPECT_EQ(PlanForRelativeError(now, 0.1, 1 << 16).met_share, 1);
+  constexpr size_t kApart = 6;  // So that no ring holds another.
+  size_t lone = 0;
+  for (size_t i = 0; i < 1600; ++i) {
+    if (i % 40 % kApart != 3 || i / 40 % kApart != 3) continue;
+    now.variance[1][i] = 100;
+    ++lone;
   }
-  return round;
-}
-
-struct Bias {
-  double mean = 0, error = 0;  ///< In standard errors.
-  double rounds = 0;
-};
-
-Bias BiasOf(Plan plan, double target) {
-  constexpr int kSeeds = 500;
-  const SyntheticImage image = Fireflies();
-  const SyntheticPixel& pixel = image.pixels()[0];
-  std::vector<double> biases;
-  Bias bias;
-  for (uint64_t seed = 0; seed < kSeeds; ++seed) {
-    SyntheticRender render(image, 7000 + seed);
-    const Finished finished = RenderTo(render, plan, target);
-    bias.rounds += finished.rounds * 1.0 / kSeeds;
-    double sum = 0;
-    for (size_t i = 0; i < image.pixels().size(); ++i) sum += render.Mean(i) - pixel.Mean();
-    biases.push_back(sum / static_cast<double>(image.pixels().size()) /
-                     std::sqrt(pixel.Variance() / finished.average));
-  }
-  for (const double b : biases) bias.mean += b / kSeeds;
-  double squares = 0;
-  for (const double b : biases) squares += (b - bias.mean) * (b - bias.mean);
-  bias.error = std::sqrt(squares / (kSeeds - 1) / kSeeds);
-  return bias;
-}
-
-// 3.3 standard errors of renders, which are independent: p = 0.001.
-TEST(TargetBiasTest, LaterRoundsHaveNoneThatShows) {
-  for (const auto& [name, plan, target] :
-       {std::tuple<const char*, Plan, double>{"error", &PlanForRelativeError, 0.5},
-        std::tuple<const char*, Plan, double>{"rmse", &PlanForRmse, 0.04}}) {
-    const Bias bias = BiasOf(plan, target);
-    std::printf("%s: %.4f +- %.4f standard errors, %.1f rounds\n", name, bias.mean, bias.error,
-                bias.rounds);
-    EXPECT_GT(bias.rounds, 1) << "there must be later rounds";
-    EXPECT_LT(std::fabs(bias.mean), 3.3 * bias.error);
-  }
-}
-
-TEST(TargetBiasTest, StoppingByOnesOwnIntervalHas) {
-  const Bias bias = BiasOf(&PlanByOwnPixel, 0.4);
-  std::printf("own interval: %.4f +- %.4f standard errors, %.1f rounds\n", bias.mean, bias.error,
-              bias.rounds);
-  EXPECT_GT(std::fabs(bias.mean), 10 * bias.error);
-}
-
-// The bound of error_target.h: E[N] sd(1/N) when the samples of one pixel alone are drawn anew.
-TEST(TargetBiasTest, APixelsOwnSamplesHardlyMoveItsCount) {
-  const SyntheticImage image = Fireflies();
-  const auto bound = [&](Plan plan, double target) {
-    constexpr int kPixels = 20, kRedraws = 20;
-    double sum = 0;
-    for (int k = 0; k < kPixels; ++k) {
-      const size_t pixel = static_cast<size_t>(k) * 50;
-      double count = 0, inverse = 0, squares = 0;
-      for (uint64_t redraw = 0; redraw < kRedraws; ++redraw) {
-        SyntheticRender render(image, 300 + static_cast<uint64_t>(k));
-        render.Redraw(pixel, 9000 + redraw);
-        RenderTo(render, plan, target);
-        const double n = render.Samples(pixel);
-        count += n / kRedraws;
-        inverse += 1 / n / kRedraws;
-        squares += 1 / (n * n) / kRedraws;
-      }
-      sum += count * std::sqrt(std::max(squares - inverse * inverse, 0.0)) / kPixels;
-    }
-    return sum;
-  };
-  const double error = bound(&PlanForRelativeError, 0.4), rmse = bound(&PlanForRmse, 0.04);
-  const double own = bound(&PlanByOwnPixel, 0.4);
-  std::printf("E[N] sd(1/N): error %.4f, rmse %.4f, own interval %.4f\n", error, rmse, own);
-  EXPECT_LT(error, 0.05);
-  EXPECT_LT(rmse, 0.05);
-  EXPECT_GT(own, 0.1) << "the control must fail";
+  const TargetRound round = PlanForRelativeError(now, 0.1, 1 << 16);
+  EXPECT_FALSE(round.met);
+  EXPECT_EQ(round.ends[3 * 40 + 3], 8u) << "which decides nothing";
+  EXPECT_GT(round.ends[3 * 40 + 4], 8u);
+  EXPECT_LT(round.met_share, 1 - static_cast<double>(lone) / 1600 + 1e-9);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -11,15 +12,15 @@
 namespace strata {
 namespace {
 
-std::vector<double> RandomPlane(PlaneSize size) {
+Plane RandomPlane(PlaneSize size) {
   std::mt19937_64 random(11);
-  std::vector<double> plane(size.Pixels());
+  Plane plane(size.Pixels());
   for (double& value : plane) value = 1 + static_cast<double>(random() >> 40) * 0x1p-20;
   return plane;
 }
 
-std::vector<double> AllMeansOutside(PlaneSize size, const std::vector<double>& plane) {
-  std::vector<double> all;
+Plane AllMeansOutside(PlaneSize size, const Plane& plane) {
+  Plane all;
   VisitMeansOutside(size, plane, [&](size_t y, const double* means) {
     EXPECT_EQ(all.size(), y * size.width);
     all.insert(all.end(), means, means + size.width);
@@ -33,6 +34,23 @@ bool Inside(PlaneSize size, size_t i, size_t j) {
          distance(i / size.width, j / size.width) <= 2;
 }
 
+/// The mean over the ring's pixels for which `belongs(dx, dy)`.
+template <typename Belongs>
+double MeanWhere(PlaneSize size, const Plane& plane, size_t i, Belongs belongs) {
+  double sum = 0, count = 0;
+  for (size_t j = 0; j < size.Pixels(); ++j) {
+    const auto offset = [](size_t a, size_t b) {
+      return static_cast<int>(b) - static_cast<int>(a);
+    };
+    const int dx = offset(i % size.width, j % size.width);
+    const int dy = offset(i / size.width, j / size.width);
+    if (j == i || !Inside(size, i, j) || !belongs(dx, dy)) continue;
+    sum += plane[j];
+    ++count;
+  }
+  return sum / count;
+}
+
 class AnySize : public ::testing::TestWithParam<PlaneSize> {};
 INSTANTIATE_TEST_SUITE_P(Sizes, AnySize,
                          ::testing::Values(PlaneSize{23, 17}, PlaneSize{6, 1}, PlaneSize{1, 9},
@@ -40,8 +58,8 @@ INSTANTIATE_TEST_SUITE_P(Sizes, AnySize,
 
 TEST_P(AnySize, MeansFollowTheirDefinitions) {
   const PlaneSize size = GetParam();
-  const std::vector<double> plane = RandomPlane(size);
-  const std::vector<double> ring = RingMeans(size, plane), outside = AllMeansOutside(size, plane);
+  const Plane plane = RandomPlane(size);
+  const Plane ring = RingMeans(size, plane), outside = AllMeansOutside(size, plane);
   for (size_t i = 0; i < size.Pixels(); ++i) {
     double near = 0, far = 0;
     int near_count = 0, far_count = 0;
@@ -56,12 +74,29 @@ TEST_P(AnySize, MeansFollowTheirDefinitions) {
   }
 }
 
+TEST(RingPoolTest, TheHighestHalfIsOneOfFour) {
+  for (const PlaneSize size : {PlaneSize{23, 17}, PlaneSize{2, 8}, PlaneSize{40, 3}}) {
+    const Plane plane = RandomPlane(size), highest = HighestHalfMeans(size, plane);
+    for (size_t i = 0; i < size.Pixels(); ++i) {
+      const double expected =
+          std::max({MeanWhere(size, plane, i, [](int, int dy) { return dy <= 0; }),
+                    MeanWhere(size, plane, i, [](int, int dy) { return dy >= 0; }),
+                    MeanWhere(size, plane, i, [](int dx, int) { return dx <= 0; }),
+                    MeanWhere(size, plane, i, [](int dx, int) { return dx >= 0; })});
+      EXPECT_NEAR(highest[i], expected, 1e-12 * expected);
+      Plane damaged = plane;
+      damaged[i] = std::numeric_limits<double>::quiet_NaN();
+      EXPECT_EQ(HighestHalfMeans(size, damaged)[i], highest[i]) << "the pixel has no part in it";
+    }
+  }
+}
+
 TEST_P(AnySize, WhatIsLeftOutHasNoInfluenceOnAnyBit) {
   const PlaneSize size = GetParam();
-  const std::vector<double> plane = RandomPlane(size);
-  const std::vector<double> ring = RingMeans(size, plane), outside = AllMeansOutside(size, plane);
+  const Plane plane = RandomPlane(size);
+  const Plane ring = RingMeans(size, plane), outside = AllMeansOutside(size, plane);
   for (size_t i = 0; i < size.Pixels(); ++i) {
-    std::vector<double> damaged = plane;
+    Plane damaged = plane;
     damaged[i] = std::numeric_limits<double>::quiet_NaN();
     EXPECT_EQ(RingMeans(size, damaged)[i], ring[i]);
     for (size_t j = 0; j < size.Pixels(); ++j) {
@@ -73,13 +108,13 @@ TEST_P(AnySize, WhatIsLeftOutHasNoInfluenceOnAnyBit) {
 
 TEST(RingPoolTest, APlaneWithItsMarginGivesTheSameSums) {
   const PlaneSize size{19, 12};
-  const std::vector<double> plane = RandomPlane(size);
+  const Plane plane = RandomPlane(size);
   std::vector<double> padded((size.width + 4) * (size.height + 4));
   for (size_t i = 0; i < plane.size(); ++i) {
     padded[(i / size.width + 2) * (size.width + 4) + i % size.width + 2] = plane[i];
   }
   const std::vector<double> sums = Neighbourhoods(size).Ring(padded);
-  const std::vector<double> means = RingMeans(size, plane);
+  const Plane means = RingMeans(size, plane);
   const size_t centre = 6 * size.width + 9, corner = 0;
   EXPECT_EQ(means[centre], sums[centre] / 24);
   EXPECT_EQ(means[corner], sums[corner] / 8);

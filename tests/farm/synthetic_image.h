@@ -103,7 +103,7 @@ class SyntheticRender {
     statistics.luminance.resize(pixels);
     statistics.rays.assign(pixels, 1);
     statistics.nonfinite.assign(pixels, 0);
-    std::vector<double>& variance = statistics.variance[0];
+    Plane& variance = statistics.variance[0];
     variance.resize(pixels);
     for (size_t i = 0; i < pixels; ++i) {
       const double mean = statistics.luminance[i] = Mean(i);
@@ -151,6 +151,40 @@ inline SyntheticImage UnevenImage(size_t edge) {
       pixel.probability = 0.03;
     }
     return pixel;
+  });
+}
+
+/// Rare bright samples of many heights over noise of many levels.
+inline SyntheticImage SkewedImage(size_t edge) {
+  return SyntheticImage({edge, edge}, [edge](size_t x, size_t y) {
+    const double u = static_cast<double>(x) / static_cast<double>(edge);
+    const double v = static_cast<double>(y) / static_cast<double>(edge);
+    SyntheticPixel pixel{0.1 + 0.4 * u, 0, 0, 0.05 + 0.3 * u * v};
+    if (v > 0.6) pixel.bright = 1 + 4 * u;
+    if (v > 0.6) pixel.probability = 0.05;
+    return pixel;
+  });
+}
+
+/// A bright lamp with a noisy rim two to four pixels wide, its glow, and a dark corner with rare
+/// light.
+inline SyntheticImage LampImage(size_t edge) {
+  return SyntheticImage({edge, edge}, [edge](size_t x, size_t y) {
+    const double u = static_cast<double>(x) / static_cast<double>(edge) - 0.3;
+    const double v = static_cast<double>(y) / static_cast<double>(edge) - 0.4;
+    const double r = std::sqrt(u * u + v * v);
+    if (r < 0.1) return SyntheticPixel{5, 0, 0, 0.05};
+    if (r < 0.12) return SyntheticPixel{1, 4, 0.3, 0.2};
+    if (u > 0.5 && v > 0.4) return SyntheticPixel{0.02, 1, 0.02, 0.01};
+    return SyntheticPixel{0.3, 0, 0, r < 0.3 ? 0.3 : 0.1};
+  });
+}
+
+/// One sample in 40 to 300 is 25 times as bright as the others.
+inline SyntheticImage RareImage(size_t edge) {
+  return SyntheticImage({edge, edge}, [edge](size_t x, size_t) {
+    const double u = static_cast<double>(x) / static_cast<double>(edge);
+    return SyntheticPixel{0.2, 5, 0.003 + 0.02 * u, 0.05};
   });
 }
 
