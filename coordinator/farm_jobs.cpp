@@ -113,6 +113,9 @@ absl::StatusOr<JobId> Farm::State::AddJob(const JobSpec& spec, const std::string
   const JobId id = job->id;
   Log(*job, "info",
       fmt::format("submitted: {} pixels, {} samples each", spec.crop.Pixels(), spec.spp));
+  if (spec.allocation == AllocationKind::kGreedy) {
+    Log(*job, "warning", "allocation greedy is biased: it is for comparison only");
+  }
   LevelService(*(jobs[id] = std::move(job)));
   Dispatch(now);
   return id;
