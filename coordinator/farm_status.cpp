@@ -119,15 +119,17 @@ void Farm::State::AddTimeLeft(const JobRecord& job, JobStatus& status) const {
     status.eta_s = status.eta_low_s = status.eta_high_s = status.samples_left = 0;
     return;
   }
-  const double expected = std::max(job.expected.expected, static_cast<double>(job.planned_samples));
-  const RemainingSamples remaining{expected - static_cast<double>(job.merged.samples),
-                                   job.expected.deviation};
-  if (job.spec.target != TargetKind::kTime) status.samples_left = remaining.expected;
   if (const std::optional<SteadyTime> deadline = Deadline(job)) {
     status.eta_s = status.eta_low_s = status.eta_high_s =
         std::max(SecondsBetween(latest, *deadline), 0.0);
     return;
   }
+  // What a target takes is unknown until the pilot is merged.
+  if (job.spec.target != TargetKind::kSamples && job.plan->round == 0) return;
+  const double expected = std::max(job.expected.expected, static_cast<double>(job.planned_samples));
+  const RemainingSamples remaining{expected - static_cast<double>(job.merged.samples),
+                                   job.expected.deviation};
+  status.samples_left = remaining.expected;
   const TimeToTarget time = PredictTimeToTarget(remaining, job.rate.Spans());
   status.eta_s = time.seconds;
   if (time.seconds < 0) return;
