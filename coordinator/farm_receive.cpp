@@ -78,8 +78,9 @@ void Farm::State::ReceiveResult(const std::string& worker, UnitResult result, St
     const auto entry = jobs.find(result.job);
     if (entry == jobs.end()) return;
     const JobRecord& job = *entry->second;
-    // Of an ended job, or of an earlier round: late, and known already or not wanted.
-    if (IsFinal(job.state) || result.partial.unit.round < job.plan->round) return;
+    // Of an ended job, of an earlier round, or of one that is merged or dropped: late, and known
+    // already or not wanted.
+    if (IsFinal(job.state) || job.finishing || result.partial.unit.round < job.plan->round) return;
     plan = job.plan;
     film = job.film;
     layout = LayoutOf(job.spec);
@@ -92,12 +93,13 @@ void Farm::State::ReceiveResult(const std::string& worker, UnitResult result, St
                                       : absl::InvalidArgumentError("its unit is not in the plan");
   if (!status.ok()) {
     RefusePartial(worker, job, unit, std::string(status.message()), now);
-  } else if (MergeResult(worker, std::move(result), *film, window, now)) {
+  } else if (MergeResult(worker, std::move(result), plan, *film, window, now)) {
     FinishRound(job, now);
   }
 }
 
-bool Farm::State::MergeResult(const std::string& worker, UnitResult result, JobFilm& film,
+bool Farm::State::MergeResult(const std::string& worker, UnitResult result,
+                              const std::shared_ptr<const RoundPlan>& plan, JobFilm& film,
                               uint32_t window, SteadyTime now) {
   const UnitId unit = result.partial.unit;
   const uint64_t samples = SamplesIn(result.partial);
@@ -119,6 +121,8 @@ bool Farm::State::MergeResult(const std::string& worker, UnitResult result, JobF
   const auto entry = jobs.find(summary.job);
   if (entry == jobs.end()) return false;
   JobRecord& job = *entry->second;
+  // Dropped meanwhile, the round is in the film no more; see FinishDropped.
+  if (job.plan != plan) return false;
   const auto from = workers.find(worker);
   if (added.outcome == OrderedMerge::Outcome::kTooEarly) {
     if (leases.GiveUp(worker, job.id, unit) && leases.Holders(job.id, unit) == 0) {

@@ -199,8 +199,10 @@ struct Farm::State {
   void ReceiveRequest(const std::string& worker, const FileRequest& request) STRATA_EXCLUDES(mutex);
   void RefusePartial(const std::string& worker, const JobId& job, const UnitId& unit,
                      const std::string& reason, SteadyTime now) STRATA_EXCLUDES(mutex);
-  /// Merges what was checked, and does the bookkeeping; true when the round is complete.
-  bool MergeResult(const std::string& worker, UnitResult result, JobFilm& film, uint32_t window,
+  /// Merges what was checked against `plan`, and does the bookkeeping; true when the round is
+  /// complete.
+  bool MergeResult(const std::string& worker, UnitResult result,
+                   const std::shared_ptr<const RoundPlan>& plan, JobFilm& film, uint32_t window,
                    SteadyTime now) STRATA_EXCLUDES(mutex);
   void MeasureWorker(JobRecord& job, WorkerRecord& worker, const UnitResult& result,
                      uint64_t samples, SteadyTime now) STRATA_REQUIRES(mutex);

@@ -158,7 +158,9 @@ class FarmTest : public ::testing::Test {
     options.state_dir = directory_.path();
     options.build = "test";
     options.kernel_revision = 1;
-    auto farm = Farm::Create(options, NewMemoryJobStore());
+    std::unique_ptr<JobStore> store = NewMemoryJobStore();
+    store_ = store.get();
+    auto farm = Farm::Create(options, std::move(store));
     ASSERT_TRUE(farm.ok()) << farm.status();
     farm_ = *std::move(farm);
     const std::string scene = "a scene";
@@ -204,6 +206,17 @@ class FarmTest : public ::testing::Test {
       Pass(kTick);
     }
   }
+  /// As the picture has them, over all pixels.
+  uint64_t SamplesInImage(const JobId& job) const {
+    const auto image = farm_->Image(job);
+    EXPECT_TRUE(image.ok());
+    const size_t channels = image->channels.size();
+    double samples = 0;
+    for (size_t i = 0; i < image->values.size(); i += channels) {
+      samples += image->values[i + channels - 2];
+    }
+    return static_cast<uint64_t>(samples);
+  }
   std::string LogText(const JobId& job) const {
     std::string text;
     const std::vector<LogLine> lines = farm_->Logs(job).value();
@@ -215,6 +228,7 @@ class FarmTest : public ::testing::Test {
   TestDirectory directory_;
   BundleFile scene_;
   SteadyTime now_{std::chrono::hours(1)};
+  const JobStore* store_ = nullptr;  ///< The farm's; to be looked into while the farm rests.
   std::unique_ptr<Farm> farm_;
   std::deque<FakeWorker> workers_;
 };

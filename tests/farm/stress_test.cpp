@@ -49,6 +49,34 @@ TEST_F(StressTest, AJobCancelledWhileItsFiguresAreMadeCanBeRetried) {
   EXPECT_NE(Status(job).result, Digest());
 }
 
+TEST_F(StressTest, AResultThatComesWhileItsRoundIsDroppedIsNotCounted) {
+  JobSpec spec = Spec(64, 64, 1 << 16, 16);
+  spec.target = TargetKind::kTime;
+  spec.target_value = 20;
+  FakeWorker& worker = Join();
+  std::jthread looks_on([&](const std::stop_token& stop) {  // So that the lock is waited for.
+    while (!stop.stop_requested()) farm_->List();
+  });
+  for (int attempt = 0; attempt < 40; ++attempt) {
+    const JobId job = Submit(spec);
+    while (Status(job).rounds < 2 && worker.RenderAndSend(now_)) {
+      now_ += std::chrono::milliseconds(10);
+      farm_->Tick(now_);
+    }
+    ASSERT_EQ(Status(job).rounds, 2u) << attempt << LogText(job) << farm_->Workers(now_)[0].state;
+    std::optional<UnitResult> late = worker.Render();
+    ASSERT_TRUE(late);
+    now_ += std::chrono::seconds(21);
+    std::thread send([&, now = now_] { worker.Send(*std::move(late), now); });
+    farm_->Tick(now_);
+    send.join();
+    const JobStatus status = Status(job);
+    EXPECT_EQ(status.state, JobState::kDone);
+    EXPECT_EQ(status.samples, SamplesInImage(job));
+    ASSERT_TRUE(farm_->Delete(job).ok());
+  }
+}
+
 TEST_F(StressTest, ThreadsDoNotChangeTheResult) {
   const JobSpec spec = Spec(40, 40, 8 * 32 * 4, 8);
   const JobId quiet = Submit(spec);
