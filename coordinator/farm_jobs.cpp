@@ -129,7 +129,7 @@ absl::Status Farm::State::Prepare(JobRecord& job) {
     STRATA_ASSIGN_OR_RETURN(job.film->film, Film::Create(FilmPath(options, job.id), geometry));
     job.film->changed.resize(geometry.grid.Count());
   }
-  return StartRound(job, PlanFirstRound(job.spec));
+  return StartRound(job, PreparedRound(PlanFirstRound(job.spec)));
 }
 
 absl::StatusOr<JobRecord*> Farm::State::Find(const JobId& job) {

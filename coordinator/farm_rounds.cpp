@@ -14,7 +14,7 @@
 namespace strata {
 namespace {
 
-/// Before the pilot is merged nobody knows what a target takes. For display alone.
+/// Before the pilot is merged nobody knows what a target takes. For the fraction shown alone.
 constexpr double kTargetToPilot = 4;
 
 double ExpectedSamples(const JobSpec& spec, uint64_t planned) {
@@ -67,18 +67,25 @@ std::filesystem::path KeptFilmPath(const FarmOptions& options, const JobId& job)
   return options.state_dir / "films" / (job + ".kept.film");
 }
 
-absl::Status Farm::State::StartRound(JobRecord& job, RoundPlan plan) {
-  STRATA_RETURN_IF_ERROR(store->SaveRound(job.id, plan.round, EncodeRoundPlan(plan)));
-  job.plan = std::make_shared<const RoundPlan>(std::move(plan));
+PreparedRound::PreparedRound(RoundPlan made)
+    : plan(std::make_shared<const RoundPlan>(std::move(made))),
+      bytes(EncodeRoundPlan(*plan)),
+      samples(plan->Samples()),
+      units(plan->Units()),
+      queue(std::make_unique<UnitQueue>(plan, 0)) {}
+
+absl::Status Farm::State::StartRound(JobRecord& job, PreparedRound round) {
+  STRATA_RETURN_IF_ERROR(store->SaveRound(job.id, round.plan->round, round.bytes));
+  job.plan = std::move(round.plan);
+  job.queue = std::move(round.queue);
+  job.queue->WidenWindow(WindowFor(job.plan->grid.Count(), static_cast<int>(workers.size())));
   job.merged_before = job.merged;
-  job.planned_samples += job.plan->Samples();
-  job.planned_units += job.plan->Units();
+  job.planned_samples += round.samples;
+  job.planned_units += round.units;
   if (job.plan->round == 0) {
     job.expected.expected = ExpectedSamples(job.spec, job.planned_samples);
     job.widening = WideningWhileWatched(*job.plan, job.spec);
   }
-  job.queue = std::make_unique<UnitQueue>(
-      job.plan, WindowFor(job.plan->grid.Count(), static_cast<int>(workers.size())));
   MutexLock lock(job.film->mutex);
   job.film->merge = std::make_unique<OrderedMerge>(*job.film->film, job.plan);
   return absl::OkStatus();
@@ -136,6 +143,8 @@ void Farm::State::FinishRound(const JobId& id, SteadyTime now) {
       next.plan.reset();
     }
   }
+  std::optional<PreparedRound> prepared;
+  if (next.plan) prepared.emplace(*std::move(next.plan));
   {
     MutexLock lock(mutex);
     const absl::StatusOr<JobRecord*> found = Find(id);
@@ -144,14 +153,11 @@ void Farm::State::FinishRound(const JobId& id, SteadyTime now) {
     job.target_met = next.target_met;
     job.target_share = next.target_share;
     job.expected = {static_cast<double>(job.merged.samples) + next.samples_left, next.deviation};
-    if (IsFinal(job.state)) {  // Cancelled meanwhile; when it is retried, this is done again.
+    if (prepared) {
       job.finishing = false;
-      return;
-    }
-    if (next.plan) {
-      job.finishing = false;
-      Log(job, "info", fmt::format("round {}: {} samples", finished, next.plan->Samples()));
-      const absl::Status status = StartRound(job, *std::move(next.plan));
+      Log(job, "info", fmt::format("round {}: {} samples", finished, prepared->samples));
+      // Also of a job that was cancelled meanwhile: when it is retried, it goes on with this plan.
+      const absl::Status status = StartRound(job, *std::move(prepared));
       if (!status.ok()) EndJob(job, JobState::kFailed, std::string(status.message()), now);
       Dispatch(now);
       return;

@@ -51,6 +51,17 @@ std::filesystem::path KeptFilmPath(const FarmOptions& options, const JobId& job)
 /// Gives back the memory that RefreshSummary works in; the next call estimates all tiles.
 void ReleaseSummary(JobFilm& film);
 
+/// A round that can be started at once: what takes time for a large picture is made without the
+/// farm's lock.
+struct PreparedRound {
+  explicit PreparedRound(RoundPlan made);
+
+  std::shared_ptr<const RoundPlan> plan;
+  std::string bytes;  ///< The plan as it is saved.
+  uint64_t samples, units;
+  std::unique_ptr<UnitQueue> queue;  ///< Offers nothing before its window is widened.
+};
+
 /// A unit that failed on workers, or whose workers vanished with it. It is leased singly, so that
 /// it alone is to blame when that happens again.
 struct UnitTrouble {
@@ -210,7 +221,7 @@ struct Farm::State {
 
   // ---- farm_rounds.cpp ----
   /// Saves the round's plan, then makes its units leasable.
-  absl::Status StartRound(JobRecord& job, RoundPlan plan) STRATA_REQUIRES(mutex);
+  absl::Status StartRound(JobRecord& job, PreparedRound round) STRATA_REQUIRES(mutex);
   /// True when the round is complete and nobody was told so yet: FinishRound is to be called.
   bool BeginFinish(JobRecord& job) STRATA_REQUIRES(mutex);
   /// Starts the next round or, when there is none, makes the final figures and ends the job.

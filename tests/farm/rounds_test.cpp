@@ -2,7 +2,10 @@
 
 #include <gmock/gmock.h>
 
+#include <thread>
+
 #include "coordinator/next_round.h"
+#include "coordinator/round_plan_format.h"
 #include "tests/farm/farm_fixture.h"
 
 namespace strata {
@@ -62,21 +65,111 @@ TEST_F(AnyWorkers, GiveTheSameDigestOfSeveralRounds) {
   }
 }
 
-TEST_F(FarmTest, AJobStoppedBetweenRoundsGoesOnWithTheSamePlan) {
-  const JobSpec spec = RingSpec(Spec(40, 40, 256));
+/// Jobs that are interrupted where one round ends and the next begins.
+class BetweenRoundsTest : public FarmTest {
+ protected:
+  /// A job whose pilot is merged.
+  JobId SubmitWithPilot(const JobSpec& spec, FakeWorker& worker) {
+    const JobId job = Submit(spec);
+    while (Status(job).rounds == 0 && worker.RenderAndSend(now_)) Pass(kTick);
+    EXPECT_EQ(Status(job).rounds, 1u);
+    return job;
+  }
+  /// The job ends as one that went through, from the same plans, each of which was made once: the
+  /// store takes no second one for a round.
+  void ExpectSame(const JobId& job, const JobId& whole) {
+    EXPECT_EQ(Status(job).state, JobState::kDone) << LogText(job);
+    EXPECT_EQ(Status(job).result, Status(whole).result);
+    EXPECT_EQ(store_->Rounds(job).value(), store_->Rounds(whole).value());
+  }
+};
+
+TEST_F(BetweenRoundsTest, AJobGoesOnWithThePlanThatWasSaved) {
+  const JobSpec frame = Spec(40, 40, 256);
+  for (const JobSpec& spec :
+       {RingSpec(frame), TargetSpec(Spec(40, 40, 8192), TargetKind::kRelativeError, 0.04)}) {
+    if (workers_.empty()) Join();
+    FakeWorker& worker = workers_.front();
+    const JobId whole = Submit(spec);
+    RunAll();
+
+    const JobId cancelled = SubmitWithPilot(spec, worker);
+    ASSERT_TRUE(farm_->Cancel(cancelled, now_).ok());
+    Pass(kTick);
+    EXPECT_EQ(Status(cancelled).state, JobState::kCancelled);
+    const std::vector<std::string> saved = store_->Rounds(cancelled).value();
+    ASSERT_EQ(saved.size(), 2u);
+    ASSERT_TRUE(farm_->Retry(cancelled, now_).ok());
+    const auto plan = DecodeRoundPlan(saved[1]);
+    ASSERT_TRUE(plan.ok());
+    ASSERT_FALSE(worker.todo().empty());
+    for (const auto& [lease, unit] : worker.todo()) EXPECT_EQ(plan->Unit(unit.id), unit);
+    RunAll();
+    ExpectSame(cancelled, whole);
+
+    const JobId paused = SubmitWithPilot(spec, worker);
+    ASSERT_TRUE(farm_->Pause(paused, now_).ok());
+    Pass(std::chrono::seconds(1));
+    ASSERT_TRUE(farm_->Resume(paused, now_).ok());
+    RunAll();
+    ExpectSame(paused, whole);
+  }
+}
+
+TEST_F(BetweenRoundsTest, AJobCancelledWhileARoundIsPlannedGoesOnWithIt) {
+  const JobSpec spec = RingSpec(Spec(128, 128, 128, 32));
   FakeWorker& worker = Join();
   const JobId whole = Submit(spec);
   RunAll();
-  const JobId stopped = Submit(spec);
-  while (Status(stopped).rounds == 0 && worker.RenderAndSend(now_)) Pass(kTick);
-  ASSERT_EQ(Status(stopped).rounds, 1u);
-  ASSERT_TRUE(farm_->Cancel(stopped, now_).ok());
-  Pass(kTick);
-  EXPECT_EQ(Status(stopped).state, JobState::kCancelled);
-  ASSERT_TRUE(farm_->Retry(stopped, now_).ok());
-  RunAll();
-  EXPECT_EQ(Status(stopped).state, JobState::kDone);
-  EXPECT_EQ(Status(stopped).result, Status(whole).result);
+  bool while_planned = false;
+  for (int attempt = 0; attempt < 50 && !while_planned; ++attempt) {
+    const JobId job = Submit(spec);
+    std::optional<UnitResult> last;
+    while (std::optional<UnitResult> next = worker.Render()) {
+      if (last) worker.Send(*std::move(last), now_);
+      last = std::move(next);
+    }
+    ASSERT_TRUE(last);
+    const uint64_t pilot = 128 * 128 * 32;
+    std::thread finish([&] { worker.Send(*std::move(last), now_); });
+    while (Status(job).samples < pilot) std::this_thread::yield();
+    ASSERT_TRUE(farm_->Cancel(job, now_).ok());
+    finish.join();
+    EXPECT_EQ(Status(job).state, JobState::kCancelled);
+    EXPECT_TRUE(worker.todo().empty());
+    const std::string log = LogText(job);
+    while_planned = log.find("cancelled") < log.find("round 1: ");
+    EXPECT_EQ(store_->Rounds(job).value().size(), 2u) << "it is saved in either case";
+    ASSERT_TRUE(farm_->Retry(job, now_).ok());
+    RunAll();
+    ExpectSame(job, whole);
+  }
+  EXPECT_TRUE(while_planned) << "it was never cancelled in time";
+}
+
+TEST_F(FarmTest, TheTimeATargetTakesIsUnknownBeforeItsPilot) {
+  const JobId job = Submit(TargetSpec(Spec(40, 40, 8192), TargetKind::kRelativeError, 0.04));
+  FakeWorker& worker = Join();
+  JobStatus status = Status(job);
+  for (; status.rounds == 0; status = Status(job)) {
+    EXPECT_LT(status.eta_s, 0);
+    EXPECT_LT(status.eta_low_s, 0);
+    EXPECT_LT(status.eta_high_s, 0);
+    EXPECT_LT(status.samples_left, 0);
+    ASSERT_TRUE(worker.RenderAndSend(now_));
+    Pass(std::chrono::seconds(1));
+  }
+  EXPECT_GT(status.samples_left, 0);
+  EXPECT_GT(status.eta_s, 0);
+  EXPECT_GT(status.eta_high_s, status.eta_low_s);
+  EXPECT_GT(status.eta_low_s, 0);
+}
+
+TEST_F(FarmTest, GreedyAllocationSaysThatItIsBiased) {
+  JobSpec spec = Spec(40, 40, 256);
+  EXPECT_EQ(LogText(Submit(spec)).find("biased"), std::string::npos);
+  spec.allocation = AllocationKind::kGreedy;
+  EXPECT_THAT(LogText(Submit(spec)), HasSubstr("warning: allocation greedy is biased"));
 }
 
 TEST_F(FarmTest, AnErrorTargetIsMetWithLittleMoreThanItTakes) {
@@ -181,13 +274,7 @@ TEST_F(DeadlineTest, AnUnfinishedRoundIsDroppedWhole) {
   EXPECT_EQ(Status(job).samples, before.samples);
 
   // The same rounds as the whole of a job: the picture is that of the rounds that are told.
-  const auto image = farm_->Image(job);
-  ASSERT_TRUE(image.ok());
-  const size_t channels = image->channels.size();
-  double samples = 0;
-  for (size_t i = 0; i < image->values.size(); i += channels)
-    samples += image->values[i + channels - 2];
-  EXPECT_EQ(samples, static_cast<double>(before.samples));
+  EXPECT_EQ(SamplesInImage(job), before.samples);
 }
 
 TEST_F(DeadlineTest, TheFirstRoundIsNeverDropped) {
