@@ -23,6 +23,7 @@ struct Options {
   uint32_t spp = 256;
   std::vector<std::string> allocations;
   int renders = 100;
+  int trials = 100;
   int truth_renders = 100;
   uint64_t first_seed = 1;
   uint32_t watch_spp = 0;
@@ -106,41 +107,56 @@ class Bench {
     return edges;
   }
 
-  /// One job after the other, looked at after each piece from the first on.
-  absl::Status AddWatch(const Reference& reference, uint64_t first_seed, Figures* figures) {
+  /// One job after the other, looked at after each piece from the first on, in all its rounds.
+  absl::Status AddWatch(const Allocation& allocation, const Reference& reference,
+                        uint64_t first_seed, Figures* figures) {
     const Truth truth{reference, false};
-    Share anytime, fixed;
+    Share anytime, anytime_pixels, fixed;
     double looks = 0, factor = 0;
     for (int i = 0; i < options_.watch_renders; ++i) {
       JobSpec spec = spec_;
       spec.spp = options_.watch_spp;
+      spec.allocation = allocation.kind;
       spec.seed = first_seed + static_cast<uint64_t>(i);
       STRATA_RETURN_IF_ERROR(ValidateJobSpec(spec));
       const RoundPlan plan = PlanFirstRound(spec);
-      factor = AnytimeFactor(kReplicates * plan.classes[0].pieces[0].Count(), spec.spp);
-      looks = static_cast<double>(plan.classes[0].pieces.size());
+      const bool even = allocation.kind == AllocationKind::kUniform;
+      factor = AnytimeFactor(kReplicates * plan.classes[0].pieces[0].Count(),
+                             (even ? 1 : kMostOfAverage) * spec.spp);
+      looks = 0;
       STRATA_ASSIGN_OR_RETURN(const auto film, UnnamedFilm(spec));
       STRATA_ASSIGN_OR_RETURN(const RenderUnit render, MakeRenderer(spec));
       std::vector<uint8_t> missed(reference.mean.size()), missed_fixed(reference.mean.size());
       const auto look = [&] {
+        ++looks;
         const Trial now = TrialOf(*film, spec.crop);
         for (size_t c = 0; c < missed.size(); ++c) {
           const double error_squared = PooledErrorSquared(now, c);
           missed[c] |= !truth.Held(now, c, factor, error_squared);
-          missed_fixed[c] |= !truth.Held(now, c, kStudent50, error_squared);
+          missed_fixed[c] |= !truth.Held(now, c, kStudent25, error_squared);
         }
       };
       STRATA_RETURN_IF_ERROR(RenderRound(plan, render, *film, look));
-      for (size_t c = 0; c < missed.size(); ++c) {
-        if (reference.variance[c] == 0) continue;
-        anytime.Add(missed[c]);
-        fixed.Add(missed_fixed[c]);
+      if (const auto second = PlanSecond(spec, allocation, *film)) {
+        STRATA_RETURN_IF_ERROR(RenderRound(*second, render, *film, look));
+      }
+      for (size_t i = 0; i < missed.size(); i += kColours) {
+        bool any = false, live = false;
+        for (size_t c = i; c < i + kColours; ++c) {
+          if (reference.variance[c] == 0) continue;
+          anytime.Add(missed[c]);
+          fixed.Add(missed_fixed[c]);
+          any |= missed[c];
+          live = true;
+        }
+        if (live) anytime_pixels.Add(any);
       }
     }
-    figures->emplace_back("watched pixels", static_cast<double>(anytime.all) / kColours);
+    figures->emplace_back("watched pixels with variance", static_cast<double>(anytime_pixels.all));
     figures->emplace_back("looks", looks);
     figures->emplace_back("factor", factor);
-    figures->emplace_back("shown interval ever missed", anytime.Value());
+    figures->emplace_back("shown interval ever missed, of channels", anytime.Value());
+    figures->emplace_back("of pixels, in any channel", anytime_pixels.Value());
     figures->emplace_back("control: fixed-n interval ever missed", fixed.Value());
     return absl::OkStatus();
   }
@@ -228,16 +244,23 @@ absl::Status Run(const Options& options) {
 
   const std::map<std::string, Allocation> known = KnownAllocations(bench, reference);
   for (const std::string& name : options.allocations) {
-    STRATA_ASSIGN_OR_RETURN(const Trials trials,
-                            bench.Render(known.at(name), options.renders, test_seed));
+    STRATA_ASSIGN_OR_RETURN(
+        const Trials trials,
+        bench.Render(
+            known.at(name),
+            known.at(name).goal == AllocationGoal::kSquaredError ? options.trials : options.renders,
+            test_seed));
     report(name + ", " + std::to_string(trials.size()) + " against " +
                std::to_string(references.size()) + " uniform",
            trials, false);
   }
   if (options.watch_spp > 0) {
-    Figures figures;
-    STRATA_RETURN_IF_ERROR(bench.AddWatch(reference, test_seed, &figures));
-    output.Print("watched to " + std::to_string(options.watch_spp) + " spp", figures);
+    for (const char* name : {"uniform", "ring"}) {
+      Figures figures;
+      STRATA_RETURN_IF_ERROR(bench.AddWatch(known.at(name), reference, test_seed, &figures));
+      output.Print(std::string(name) + ", watched to " + std::to_string(options.watch_spp) + " spp",
+                   figures);
+    }
   }
   return absl::OkStatus();
 }
@@ -256,6 +279,8 @@ int Main(int argc, char** argv) {
       ->check(CLI::IsMember(
           {"uniform", "ring", "greedy", "ring-mse", "greedy-mse", "neyman", "oracle"}));
   app.add_option("--renders", options.renders, "seeds of each allocation")
+      ->check(CLI::Range(4, 1 << 20));
+  app.add_option("--trials", options.trials, "seeds of those that are for squared error")
       ->check(CLI::Range(4, 1 << 20));
   app.add_option("--truth-renders", options.truth_renders, "uniform renders that are the truth")
       ->check(CLI::Range(8, 1 << 20));

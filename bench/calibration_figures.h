@@ -88,7 +88,7 @@ inline MeanAndError MeanOf(const std::vector<double>& values) {
 
 /// v / n of a trial's ci95.
 inline double PooledErrorSquared(const Trial& trial, size_t i) {
-  const double error = trial.ci95[i] / kStudent50;
+  const double error = trial.ci95[i] / kStudent25;
   return error * error;
 }
 
@@ -111,7 +111,7 @@ inline void AddCoverage(const Trials& trials, const Truth& truth,
     Share channel;
     for (size_t t = 0; t < trials.size(); ++t) {
       const Trial& trial = trials[t];
-      const bool holds = truth.Held(trial, i, kStudent50, PooledErrorSquared(trial, i));
+      const bool holds = truth.Held(trial, i, kStudent25, PooledErrorSquared(trial, i));
       const bool is_dark = truth.Deviation(trial, i) < 0;
       held_by_trial[t] += holds;
       channel.Add(holds);

@@ -40,7 +40,7 @@ void ForEachInside(PlaneSize size, size_t i, Visit visit) {
 /// `floor` on; infinite where there is noise and no light to measure it by.
 class Needs {
  public:
-  Needs(const PixelStatistics& now, double error) : now_(now), widest_(error / kStudent50) {}
+  Needs(const PixelStatistics& now, double error) : now_(now), widest_(error / kStudent25) {}
 
   /// Of each pixel as its ring shows it: the half of it that needs most.
   void Fill(Plane& needs, double floor) const {

@@ -40,7 +40,7 @@ struct TargetRound {
 /// The cap for every pixel, whatever is known.
 TargetRound PlanCap(const PixelStatistics& now, uint32_t spp);
 
-/// `--error`: t(50, 0.975) sqrt(v / n) of every channel is at most `error` times max(luminance, 5 %
+/// `--error`: t(25, 0.975) sqrt(v / n) of every channel is at most `error` times max(luminance, 5 %
 /// of the image mean) for 99 % of the pixels, with v over the squared luminance pooled over that
 /// half of the pixel's ring where it is greatest (HighestHalfMeans). For each pixel its own 5x5
 /// counts among those that miss, so that more than 99 % are asked for in crops of a few thousand

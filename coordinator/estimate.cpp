@@ -68,7 +68,7 @@ std::vector<PixelEstimate> Estimate(const EstimateInput& input) {
   std::vector<double> has_samples(input.samples.size());
   std::transform(input.samples.begin(), input.samples.end(), has_samples.begin(),
                  [](double n) { return n > 0 ? 1.0 : 0.0; });
-  const std::vector<double> block_pixels = around.Block(has_samples);
+  const std::vector<double> neighbours = around.Beside(has_samples);
   const std::vector<double> ring_samples = around.Ring(input.samples);
 
   const auto input_index = [width](size_t i) {
@@ -81,7 +81,7 @@ std::vector<PixelEstimate> Estimate(const EstimateInput& input) {
     for (size_t k = 0; k < scaled.size(); ++k) {
       scaled[k] = input.samples[k] * input.error_squared[c][k];
     }
-    const std::vector<double> block_scaled = around.Block(scaled);
+    const std::vector<double> beside = around.Beside(scaled);
     const std::vector<double> ring_m2 = around.Ring(input.m2[c]);
     const std::vector<double> ring_m3 = around.Ring(input.m3[c]);
     for (size_t i = 0; i < pixels; ++i) {
@@ -92,10 +92,13 @@ std::vector<PixelEstimate> Estimate(const EstimateInput& input) {
       estimate.mean[c] = input.mean[c][k];
       estimate.standard_error[c] = std::sqrt(input.error_squared[c][k]);
       estimate.variance[c] = input.m2[c][k] / (n - 1);
-      estimate.ci95[c] = kStudent50 * std::sqrt(block_scaled[i] / block_pixels[i] / n);
-      // N < 25 g^2 with g^2 = (sum m3)^2 (sum n) / (sum m2)^3, free of the division.
-      const double skewness = 25 * ring_m3[i] * ring_m3[i] * ring_samples[i];
-      if (n * ring_m2[i] * ring_m2[i] * ring_m2[i] < skewness) estimate.flags |= kFlagSkew;
+      const bool alone = neighbours[i] == 0;
+      const double v = alone ? scaled[k] : 0.5 * (scaled[k] + beside[i] / neighbours[i]);
+      estimate.ci95[c] = (alone ? kStudent7 : kStudent25) * std::sqrt(v / n);
+      // g^2 = (sum m3)^2 (sum n) / (sum m2)^3, free of the division.
+      const double most = kMostSkewness * kMostSkewness * n;
+      if (ring_m3[i] * ring_m3[i] * ring_samples[i] > most * ring_m2[i] * ring_m2[i] * ring_m2[i])
+        estimate.flags |= kFlagSkew;
     }
   }
   for (size_t i = 0; i < pixels; ++i) {

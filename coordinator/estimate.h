@@ -13,9 +13,19 @@ namespace strata {
 /// The error-carrying channels: R, G, B.
 inline constexpr int kColours = 3;
 
-/// t(50, 0.975), the 97.5 % quantile of Student's distribution with 50 degrees of freedom: ci95
-/// pools the variance of 3x3 pixels with 7 degrees each, which are worth about 50.
-inline constexpr double kStudent50 = 2.008559112100761;
+/// ci95 is +- t sqrt(v / n), with v the mean of two halves: the pixel's own n stderr^2, and its mean
+/// over the 8 pixels around it. Each has 7 degrees of freedom, so v has 7 / (1/4 + 1/32), about 25
+/// (Satterthwaite 1946), and t is the 97.5 % quantile of Student's distribution with as many. All
+/// nine in equal parts would be steadier and fail where the variance changes from pixel to pixel:
+/// docs/decisions.md.
+inline constexpr double kIntervalDegrees = 25;
+inline constexpr double kStudent25 = 2.059538552753294;
+/// The same quantile with 7 degrees, for a pixel that has no neighbours.
+inline constexpr double kStudent7 = 2.364624251592785;
+
+/// A pixel is flagged when the skewness of its mean, as the 5x5 ring without the pixel shows it,
+/// g / sqrt(n), is above this. docs/accuracy.md has coverage against it.
+inline constexpr double kMostSkewness = 0.5;
 
 /// stderr^2, the square of s_R / sqrt(R) over the replicate means, whose mean is `mean`.
 double ErrorSquared(const PixelLayout& layout, const double* values, int channel, double mean);

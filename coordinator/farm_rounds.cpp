@@ -28,7 +28,7 @@ double WideningWhileWatched(const RoundPlan& first, const JobSpec& spec) {
   const double pilot = kReplicates * static_cast<double>(first.classes[0].pieces[0].Count());
   const bool known = IsLastRound(spec, 1);
   const double most = known ? spec.spp : kMostOfAverage * static_cast<double>(spec.spp);
-  return AnytimeFactor(pilot, most) / kStudent50;
+  return AnytimeFactor(pilot, most) / kStudent25;
 }
 
 /// A round like `plan` in which nothing is rendered.

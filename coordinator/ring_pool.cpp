@@ -121,8 +121,8 @@ double RowSum(const double* row, size_t width) {
 
 }  // namespace
 
-std::vector<double> Neighbourhoods::Block(const std::vector<double>& padded) const {
-  return Sums<1, true>(size_, padded);
+std::vector<double> Neighbourhoods::Beside(const std::vector<double>& padded) const {
+  return Sums<1, false>(size_, padded);
 }
 
 std::vector<double> Neighbourhoods::Ring(const std::vector<double>& padded) const {

@@ -21,9 +21,9 @@ class Neighbourhoods {
 
   explicit Neighbourhoods(PlaneSize size) : size_(size) {}
 
-  /// Over the 3x3 block, the pixel included. `padded` has a margin of kReach pixels on each side,
-  /// which counts as it is: zeros where the image ends.
-  std::vector<double> Block(const std::vector<double>& padded) const;
+  /// Over the 8 pixels around the pixel, itself left out. `padded` has a margin of kReach pixels on
+  /// each side, which counts as it is: zeros where the image ends.
+  std::vector<double> Beside(const std::vector<double>& padded) const;
   /// Over the 5x5 ring, the pixel itself left out. The same `padded`.
   std::vector<double> Ring(const std::vector<double>& padded) const;
 

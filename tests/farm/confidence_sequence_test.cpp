@@ -50,19 +50,23 @@ class BlockOfPixels {
     count_ = end;
   }
 
-  /// For each pixel how many sqrt(v / n) its mean is off, with v pooled over the block.
+  /// For each pixel how many sqrt(v / n) its mean is off: half of v is the pixel's, half that of
+  /// the other eight.
   std::array<double, 9> Off() const {
-    std::array<double, 9> off;
-    double pooled = 0;
+    std::array<double, 9> off, variance;
+    double sum = 0;
     for (size_t p = 0; p < 9; ++p) {
       const double* sums = &sums_[p * kReplicates];
       double mean = 0, squares = 0;
       for (int r = 0; r < kReplicates; ++r) mean += sums[r] / kReplicates;
       for (int r = 0; r < kReplicates; ++r) squares += (sums[r] - mean) * (sums[r] - mean);
       off[p] = std::fabs(mean) * scales_[p];
-      pooled += scales_[p] * scales_[p] * squares / (kReplicates - 1) / kReplicates / 9;
+      variance[p] = scales_[p] * scales_[p] * squares / (kReplicates - 1) / kReplicates;
+      sum += variance[p];
     }
-    for (double& x : off) x /= std::sqrt(pooled);
+    for (size_t p = 0; p < 9; ++p) {
+      off[p] /= std::sqrt(0.5 * variance[p] + 0.5 * (sum - variance[p]) / 8);
+    }
     return off;
   }
 
@@ -106,7 +110,7 @@ std::vector<double> EverMissed(const Watch& watch, const std::vector<Width>& wid
 }
 
 Width Fixed() {
-  return [](double) { return kStudent50; };
+  return [](double) { return kStudent25; };
 }
 Width Shown(const Watch& watch) {
   return [c = AnytimeFactor(watch.first, watch.planned)](double) { return c; };
@@ -114,8 +118,8 @@ Width Shown(const Watch& watch) {
 /// Bonferroni over doubling looks.
 Width Bonferroni(const Watch& watch) {
   const double looks = std::ceil(std::log2(watch.planned / watch.first)) + 1;
-  const double c = boost::math::quantile(
-      boost::math::complement(boost::math::students_t_distribution<double>(50), 0.025 / looks));
+  const double c = boost::math::quantile(boost::math::complement(
+      boost::math::students_t_distribution<double>(kIntervalDegrees), 0.025 / looks));
   return [c](double) { return c; };
 }
 /// Waudby-Smith et al. 2021, theorem 2.2, with rho^2 the best for n = best.
@@ -167,20 +171,20 @@ TEST_P(AnyWatch, MissesAtSomeTimeAsSeldomAsSaid) {
 }
 
 TEST(AnytimeFactorTest, GrowsSlowlyWithTheTimeWatched) {
-  EXPECT_EQ(AnytimeFactor(64, 64), kStudent50);
-  double last = kStudent50;
+  EXPECT_EQ(AnytimeFactor(64, 64), kStudent25);
+  double last = kStudent25;
   for (double growth = 1.25; growth < 1e6; growth *= 2) {
     const double factor = AnytimeFactor(64, 64 * growth);
     EXPECT_GT(factor, last);
     EXPECT_NEAR(AnytimeFactor(1, growth), factor, 1e-9) << "the growth alone counts";
     last = factor;
   }
-  EXPECT_LT(last, 3.8);
+  EXPECT_LT(last, 4);
 }
 
 // Miller and Siegmund's equation and Student's quantile by other means.
 TEST(AnytimeFactorTest, SolvesItsEquation) {
-  const boost::math::students_t_distribution<double> student(50);
+  const boost::math::students_t_distribution<double> student(kIntervalDegrees);
   for (const double growth : {2.0, 32.0, 4096.0}) {
     const double factor = AnytimeFactor(1, growth);
     const double tail = boost::math::cdf(boost::math::complement(student, factor));

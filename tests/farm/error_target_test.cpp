@@ -28,7 +28,7 @@ std::vector<double> TrueNeeds(const SyntheticImage& image, double error) {
   const double least = 0.05 * MeanLuminance(image);
   std::vector<double> needs;
   for (const SyntheticPixel& pixel : image.pixels()) {
-    const double widest = error * std::max(pixel.Mean(), least) / kStudent50;
+    const double widest = error * std::max(pixel.Mean(), least) / kStudent25;
     needs.push_back(pixel.Variance() / (widest * widest));
   }
   return needs;

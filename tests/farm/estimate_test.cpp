@@ -21,7 +21,7 @@ namespace {
 /// Skewed samples: mostly dark, sometimes bright; more so to the right.
 double SkewedSample(const JobSpec& spec, int x, int y, int replicate, uint32_t index, int channel) {
   const double u = FakeUniform(spec.seed, x, y, replicate, index, channel);
-  return u < 0.5 / (1 + 0.15 * x) ? 1.0 + x : 0.05 * u;
+  return u < 0.5 / (1 + 0.6 * x) ? 1.0 + x : 0.05 * u;
 }
 
 class EstimateTest : public ::testing::Test {
@@ -111,24 +111,25 @@ TEST_F(EstimateTest, FollowsTheDefinitions) {
         EXPECT_NEAR(estimate.mean[c], own.mean, 1e-13);
         EXPECT_NEAR(estimate.standard_error[c], std::sqrt(own.error_squared), 1e-13);
         EXPECT_NEAR(estimate.variance[c], own.m2 / (n - 1), 1e-12);
-        double pooled = 0, block = 0, m2 = 0, m3 = 0, ring = 0;
+        double beside = 0, neighbours = 0, m2 = 0, m3 = 0, ring = 0;
         for (int v = y - 2; v <= y + 2; ++v) {
           for (int u = x - 2; u <= x + 2; ++u) {
             if (!Inside(u, v)) continue;
             const BruteForce other = brute(u, v, c);
-            if (std::abs(u - x) <= 1 && std::abs(v - y) <= 1) {
-              pooled += n * other.error_squared;
-              ++block;
-            }
             if (u == x && v == y) continue;
+            if (std::abs(u - x) <= 1 && std::abs(v - y) <= 1) {
+              beside += n * other.error_squared;
+              ++neighbours;
+            }
             m2 += other.m2;
             m3 += other.m3;
             ring += n;
           }
         }
-        EXPECT_NEAR(estimate.ci95[c], kStudent50 * std::sqrt(pooled / block / n), 1e-12);
+        const double v = 0.5 * n * own.error_squared + 0.5 * beside / neighbours;
+        EXPECT_NEAR(estimate.ci95[c], kStudent25 * std::sqrt(v / n), 1e-12);
         const double skewness = (m3 / ring) / std::pow(m2 / ring, 1.5);
-        skewed |= n < 25 * skewness * skewness;
+        skewed |= std::abs(skewness) > kMostSkewness * std::sqrt(n);
       }
       EXPECT_EQ((estimate.flags & kFlagSkew) != 0, skewed) << x << "," << y;
       flagged += skewed;
@@ -177,9 +178,11 @@ TEST_F(EstimateTest, ClaimsNoIntervalWhereASampleWasNotFinite) {
   EXPECT_EQ(At(whole, 6, 5).flags & kFlagNonFinite, 0u);
 }
 
-TEST(StudentQuantile, IsThatOfFiftyDegreesOfFreedom) {
-  const boost::math::students_t_distribution<double> student(50);
-  EXPECT_NEAR(kStudent50, boost::math::quantile(student, 0.975), 1e-12);
+TEST(StudentQuantile, IsThatOfTheDegreesOfFreedom) {
+  const boost::math::students_t_distribution<double> student(kIntervalDegrees);
+  EXPECT_NEAR(kStudent25, boost::math::quantile(student, 0.975), 1e-12);
+  const boost::math::students_t_distribution<double> alone(kReplicates - 1);
+  EXPECT_NEAR(kStudent7, boost::math::quantile(alone, 0.975), 1e-12);
 }
 
 // ---- coverage ----

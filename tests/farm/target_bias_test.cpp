@@ -35,7 +35,7 @@ void RenderByOwnInterval(SyntheticRender& render, double error) {
     const PixelStatistics now = render.Statistics();
     std::vector<uint32_t> ends = now.samples;
     for (size_t i = 0; i < ends.size(); ++i) {
-      const double widest = error * std::max(now.luminance[i], 0.01) / kStudent50;
+      const double widest = error * std::max(now.luminance[i], 0.01) / kStudent25;
       const double wanted = std::ceil(now.variance[0][i] / (widest * widest) / kReplicates);
       ends[i] = static_cast<uint32_t>(std::clamp<double>(wanted, ends[i], 1 << 13));
     }
