@@ -10,12 +10,15 @@
 namespace strata {
 namespace {
 
-/// The digest of `scene` on one worker with one thread and the default tile.
-Digest Reference(const TestScene& scene) {
+/// The end of `scene` on one worker with one thread.
+JobStatus Reference(const TestScene& scene) {
   InProcessFarm farm(1, 1);
-  const absl::StatusOr<Digest> digest = RunJob(farm.client(), scene);
-  EXPECT_TRUE(digest.ok()) << digest.status().message();
-  return digest.value_or(Digest{});
+  const absl::StatusOr<JobId> job = SubmitJob(farm.client(), scene);
+  EXPECT_TRUE(job.ok()) << job.status().message();
+  if (!job.ok()) return {};
+  const absl::StatusOr<JobStatus> end = AwaitEnd(farm.client(), *job);
+  EXPECT_TRUE(end.ok()) << end.status().message();
+  return end.value_or(JobStatus{});
 }
 
 /// More than one tile of any size, the last ones thin, each in two pieces.
@@ -25,6 +28,15 @@ TestScene Small(TestScene scene) {
   scene.spec.crop = {0, 0, 66, 34};
   scene.spec.spp = 24;
   scene.spec.max_depth = 3;
+  return scene;
+}
+
+/// The same in two rounds: a pilot of 32 samples, and some where the error is.
+TestScene SmallByRing(TestScene scene) {
+  scene = Small(std::move(scene));
+  scene.spec.allocation = AllocationKind::kRing;
+  scene.spec.spp = 40;
+  scene.spec.max_depth = 2;
   return scene;
 }
 
@@ -67,12 +79,17 @@ class EveryFarm : public testing::TestWithParam<std::tuple<Transport, int>> {};
 
 TEST_P(EveryFarm, GivesTheSameBits) {
   const auto [transport, workers] = GetParam();
-  std::vector<TestScene> scenes = {OwnScene("cornell-box/cornell-box.pbrt"),
-                                   OwnScene("textures/textures.pbrt")};
+  std::vector<TestScene> scenes = {Small(OwnScene("cornell-box/cornell-box.pbrt")),
+                                   SmallByRing(OwnScene("textures/textures.pbrt"))};
   const std::optional<TestScene> coffee = SharedScene("coffee");
-  if (coffee) scenes.push_back(*coffee);
+  if (coffee) scenes.push_back(Small(*coffee));
   std::vector<KnownScene> known;
-  for (const TestScene& scene : scenes) known.push_back({Small(scene), Reference(Small(scene))});
+  for (const TestScene& scene : scenes) {
+    const JobStatus reference = Reference(scene);
+    const bool ring = scene.spec.allocation == AllocationKind::kRing;
+    ASSERT_EQ(reference.rounds, ring ? 2u : 1u);
+    known.push_back({scene, reference.result});
+  }
 
   for (const uint32_t threads : {1, 4}) {
     const std::string name = absl::StrCat(workers, " workers of ", threads, " threads");
@@ -99,83 +116,169 @@ INSTANTIATE_TEST_SUITE_P(SameBits, EveryFarm,
                          });
 
 TEST(SameBits, NotWithAnotherSeed) {
-  const TestScene scene = Small(OwnScene("cornell-box/cornell-box.pbrt"));
-  TestScene other = scene;
-  ++other.spec.seed;
-  EXPECT_NE(Reference(other).Hex(), Reference(scene).Hex());
+  std::vector<TestScene> scenes = {Small(OwnScene("cornell-box/cornell-box.pbrt")),
+                                   SmallByRing(OwnScene("textures/textures.pbrt"))};
+  if (const std::optional<TestScene> coffee = SharedScene("coffee"))
+    scenes.push_back(Small(*coffee));
+  for (const TestScene& scene : scenes) {
+    TestScene other = scene;
+    ++other.spec.seed;
+    EXPECT_NE(Reference(other).result.Hex(), Reference(scene).result.Hex()) << scene.root;
+  }
 }
 
-/// A job that takes seconds of one thread, so that there is time to disturb it.
-TestScene LongJob() {
-  TestScene scene = OwnScene("cornell-box/cornell-box.pbrt");
-  scene.spec.width = scene.spec.height = 96;
-  scene.spec.crop = {0, 0, 96, 96};
-  scene.spec.spp = 128;
+// ---- farms that are disturbed while they render ----
+
+/// A job of about a second of one thread, of many tiles with several pieces each.
+TestScene Long(TestScene scene) {
+  scene.spec.width = scene.spec.height = 40;
+  scene.spec.crop = {0, 0, 40, 40};
+  scene.spec.spp = 512;
   scene.spec.tile = 16;
   return scene;
 }
 
-bool AwaitFraction(FarmClient& client, const JobId& job, double fraction) {
-  return Eventually([&] {
-    const absl::StatusOr<JobStatus> status = client.Get(job);
-    return status.ok() && (status->fraction >= fraction || IsFinal(status->state));
-  });
+TestScene LongUniform() { return Long(OwnScene("cornell-box/cornell-box.pbrt")); }
+
+TestScene LongByRing() {
+  TestScene scene = Long(OwnScene("textures/textures.pbrt"));
+  scene.spec.allocation = AllocationKind::kRing;
+  return scene;
+}
+
+/// Rounds until the error is small enough; of the project's own scene where coffee is not there.
+TestScene LongToError() {
+  TestScene scene = Long(SharedScene("coffee").value_or(OwnScene("cornell-box/cornell-box.pbrt")));
+  scene.spec.allocation = AllocationKind::kRing;
+  scene.spec.target = TargetKind::kRelativeError;
+  scene.spec.target_value = 0.3;
+  scene.spec.spp = 4096;
+  return scene;
+}
+
+/// A uniform job, one by ring and one to an error, which are rendered at the same time.
+class LongJobs {
+ public:
+  LongJobs() {
+    for (const TestScene& scene : {LongUniform(), LongByRing(), LongToError()}) {
+      jobs_.push_back({scene, Reference(scene), {}});
+      EXPECT_GT(CutPieces({0, scene.spec.spp / kReplicates}).size(), 1u);
+    }
+    EXPECT_EQ(jobs_[0].reference.rounds, 1u);
+    EXPECT_EQ(jobs_[1].reference.rounds, 2u);
+    EXPECT_GT(jobs_[2].reference.rounds, 1u);
+    EXPECT_TRUE(jobs_[2].reference.target_met);
+  }
+
+  void Submit(FarmClient& client) {
+    for (Job& job : jobs_) {
+      const absl::StatusOr<JobId> id = SubmitJob(client, job.scene);
+      ASSERT_TRUE(id.ok()) << id.status().message();
+      job.id = *id;
+    }
+  }
+
+  /// Waits until each has come so far; false when one has ended.
+  bool AwaitFraction(FarmClient& client, double fraction) const {
+    bool under_way = true, so_far = false;
+    const bool in_time = Eventually([&] {
+      so_far = true;
+      for (const Job& job : jobs_) {
+        const absl::StatusOr<JobStatus> status = client.Get(job.id);
+        under_way &= status.ok() && !IsFinal(status->state);
+        so_far &= status.ok() && status->fraction >= fraction;
+      }
+      return so_far || !under_way;
+    });
+    return in_time && under_way;
+  }
+  /// That a signal was sent before it ended proves that it disturbed it.
+  bool AllUnderWay(FarmClient& client) const { return AwaitFraction(client, 0); }
+
+  void ExpectSameBits(FarmClient& client) const {
+    for (const Job& job : jobs_) {
+      const absl::StatusOr<JobStatus> end = AwaitEnd(client, job.id);
+      ASSERT_TRUE(end.ok()) << end.status().message();
+      EXPECT_EQ(end->state, JobState::kDone) << end->message;
+      EXPECT_EQ(end->result.Hex(), job.reference.result.Hex()) << job.scene.root;
+      // What was rendered twice is counted once.
+      EXPECT_EQ(end->samples, job.reference.samples);
+      EXPECT_EQ(end->rounds, job.reference.rounds);
+    }
+  }
+
+ private:
+  struct Job {
+    TestScene scene;
+    JobStatus reference;
+    JobId id;
+  };
+  std::vector<Job> jobs_;
+};
+
+std::optional<WorkerStatus> FindWorker(FarmClient& client, const std::string& name) {
+  const absl::StatusOr<std::vector<WorkerStatus>> workers = client.Workers();
+  EXPECT_TRUE(workers.ok()) << workers.status().message();
+  if (!workers.ok()) return std::nullopt;
+  for (const WorkerStatus& worker : *workers) {
+    if (worker.name == name) return worker;
+  }
+  return std::nullopt;
 }
 
 TEST(SameBits, WithWorkersKilledAndJoinedWhileItRenders) {
-  const TestScene scene = LongJob();
-  const Digest reference = Reference(scene);
+  LongJobs jobs;
   TcpFarm farm;
   Process& first = farm.StartWorker(1);
   Process& second = farm.StartWorker(1);
   ASSERT_TRUE(farm.AwaitWorkers(2)) << farm.Logs();
-  const absl::StatusOr<JobId> job = SubmitJob(farm.client(), scene);
-  ASSERT_TRUE(job.ok()) << job.status().message();
-  ASSERT_TRUE(AwaitFraction(farm.client(), *job, 0.05));
+  jobs.Submit(farm.client());
+  ASSERT_TRUE(jobs.AwaitFraction(farm.client(), 0.05)) << farm.Logs();
   first.Signal(SIGKILL);
+  ASSERT_TRUE(jobs.AllUnderWay(farm.client()));
   farm.StartWorker(4);
-  ASSERT_TRUE(AwaitFraction(farm.client(), *job, 0.4));
+  ASSERT_TRUE(jobs.AwaitFraction(farm.client(), 0.2)) << farm.Logs();
   second.Signal(SIGKILL);
-  const absl::StatusOr<JobStatus> end = AwaitEnd(farm.client(), *job);
-  ASSERT_TRUE(end.ok()) << end.status().message();
-  ASSERT_EQ(end->state, JobState::kDone) << end->message << farm.Logs();
-  EXPECT_EQ(end->result.Hex(), reference.Hex());
-  // What was rendered twice is counted once.
-  EXPECT_EQ(end->samples, 96u * 96u * 128u);
+  ASSERT_TRUE(jobs.AllUnderWay(farm.client()));
+  jobs.ExpectSameBits(farm.client());
+  if (HasFailure()) ADD_FAILURE() << farm.Logs();
 }
 
 TEST(SameBits, WithAWorkerStoppedAndContinued) {
-  const TestScene scene = LongJob();
-  const Digest reference = Reference(scene);
-  TcpFarm farm(/*silence_s=*/1);
+  LongJobs jobs;
+  TcpFarm farm(/*silence_s=*/0.5);
   Process& stopped = farm.StartWorker(1);
-  farm.StartWorker(1);
-  ASSERT_TRUE(farm.AwaitWorkers(2)) << farm.Logs();
-  const absl::StatusOr<JobId> job = SubmitJob(farm.client(), scene);
-  ASSERT_TRUE(job.ok()) << job.status().message();
-  ASSERT_TRUE(AwaitFraction(farm.client(), *job, 0.05));
+  ASSERT_TRUE(farm.AwaitWorkers(1)) << farm.Logs();
+  jobs.Submit(farm.client());
+  ASSERT_TRUE(jobs.AwaitFraction(farm.client(), 0.05)) << farm.Logs();
+  ASSERT_GT(FindWorker(farm.client(), "worker-0")->leases, 0);
   stopped.Signal(SIGSTOP);
-  const absl::StatusOr<JobStatus> end = AwaitEnd(farm.client(), *job);
-  ASSERT_TRUE(end.ok()) << end.status().message();
-  ASSERT_EQ(end->state, JobState::kDone) << end->message << farm.Logs();
-  EXPECT_EQ(end->result.Hex(), reference.Hex());
+  ASSERT_TRUE(Eventually([&] {
+    const std::optional<WorkerStatus> worker = FindWorker(farm.client(), "worker-0");
+    return worker && worker->state == "lost" && worker->leases == 0;
+  })) << farm.Logs();
+  ASSERT_TRUE(jobs.AllUnderWay(farm.client())) << "they waited for a worker";
+  // Another one takes the leases; the first is awake again while it renders, with late results.
+  farm.StartWorker(1);
+  ASSERT_TRUE(farm.AwaitWorkers(1)) << farm.Logs();
+  ASSERT_TRUE(jobs.AwaitFraction(farm.client(), 0.2)) << farm.Logs();
   stopped.Signal(SIGCONT);
-  // Its late results do no harm, and it serves again.
+  ASSERT_TRUE(jobs.AllUnderWay(farm.client()));
+  jobs.ExpectSameBits(farm.client());
+  // It serves again.
   ASSERT_TRUE(farm.AwaitWorkers(2)) << farm.Logs();
-  EXPECT_EQ(farm.client().Get(*job)->result.Hex(), reference.Hex());
-  const absl::StatusOr<Digest> again = RunJob(farm.client(), scene);
-  ASSERT_TRUE(again.ok()) << again.status().message();
-  EXPECT_EQ(again->Hex(), reference.Hex());
+  if (HasFailure()) ADD_FAILURE() << farm.Logs();
 }
 
 TEST(SameBits, AfterTheCoordinatorWasKilled) {
-  const TestScene scene = LongJob();
+  const TestScene scene = LongByRing();
   TcpFarm farm;
   Process& worker = farm.StartWorker(1);
   ASSERT_TRUE(farm.AwaitWorkers(1)) << farm.Logs();
   const absl::StatusOr<JobId> job = SubmitJob(farm.client(), scene);
   ASSERT_TRUE(job.ok()) << job.status().message();
-  ASSERT_TRUE(AwaitFraction(farm.client(), *job, 0.05));
+  ASSERT_TRUE(Eventually([&] { return farm.client().Get(*job)->fraction >= 0.05; }));
+  ASSERT_FALSE(IsFinal(farm.client().Get(*job)->state));
   farm.coordinator().Signal(SIGKILL);
   farm.coordinator().Wait();
   EXPECT_TRUE(worker.Running());
@@ -183,7 +286,7 @@ TEST(SameBits, AfterTheCoordinatorWasKilled) {
   ASSERT_TRUE(farm.AwaitWorkers(1)) << farm.Logs();
   const absl::StatusOr<Digest> digest = RunJob(farm.client(), scene);
   ASSERT_TRUE(digest.ok()) << digest.status().message();
-  EXPECT_EQ(digest->Hex(), Reference(scene).Hex());
+  EXPECT_EQ(digest->Hex(), Reference(scene).result.Hex());
   worker.Signal(SIGTERM);
   EXPECT_EQ(worker.Wait(), 0) << farm.Logs();
   farm.coordinator().Signal(SIGTERM);
