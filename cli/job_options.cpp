@@ -199,6 +199,9 @@ absl::StatusOr<JobSpec> ResolveJobSpec(const JobOptions& options, const FrameDef
   JobSpec spec;
   STRATA_RETURN_IF_ERROR(ResolveFrame(options, defaults, &spec));
   STRATA_RETURN_IF_ERROR(ResolveTarget(options, &spec));
+  if (spec.allocation == AllocationKind::kGreedy) {
+    notes->push_back("--allocation greedy makes a biased image, for comparison only");
+  }
   const bool capped = spec.target != TargetKind::kSamples;
   STRATA_ASSIGN_OR_RETURN(spec.spp,
                           ResolveSpp(options, capped ? kDefaultCap : defaults.spp, notes));

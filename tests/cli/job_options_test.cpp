@@ -143,6 +143,12 @@ TEST(JobOptions, ATargetHasAKindAValueAndACap) {
   EXPECT_DOUBLE_EQ(Resolve({.scene = "a.pbrt", .time = "2h"}).target_value, 7200);
   EXPECT_EQ(Resolve({.scene = "a.pbrt", .allocation = "uniform"}).allocation,
             AllocationKind::kUniform);
+  std::vector<std::string> notes;
+  Resolve({.scene = "a.pbrt", .allocation = "uniform"}, {}, &notes);
+  EXPECT_TRUE(notes.empty());
+  Resolve({.scene = "a.pbrt", .allocation = "greedy"}, {}, &notes);
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_NE(notes[0].find("biased"), std::string::npos) << notes[0];
 }
 
 TEST(JobOptions, TargetsThatMakeNoSenseAreNamed) {
