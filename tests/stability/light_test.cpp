@@ -47,7 +47,9 @@ Picture RenderUnderSky(const std::string& pfm, const std::string& text,
 
 const char kSky[] = "LightSource \"infinite\" \"string filename\" \"sky.pfm\"\n";
 
-TEST(SmallLights, ConesOfATenThousandthRadianGiveTheirIrradiance) {
+// A cone here is what a spherical lamp fills as the floor sees it. There are no spot lights yet, so
+// that the narrow cone of one is not tested.
+TEST(SmallLights, SphericalLampsThatFillNarrowConesGiveTheirIrradiance) {
   // Irradiance of a sphere of radiance L seen under the angle a: pi L sin^2 a.
   for (const double angle : {1e-2, 1e-4, 1e-6}) {
     for (const double distance : {1.0, 1e4}) {
