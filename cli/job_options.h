@@ -67,8 +67,8 @@ absl::StatusOr<JobSpec> ResolveJobSpec(const JobOptions& options, const FrameDef
 /// A job ready to be submitted.
 struct ResolvedJob {
   JobSpec spec;
-  std::filesystem::path root;         ///< Where the bundle's files are.
-  std::vector<std::string> notes;     ///< What a person should know: what was rounded, what is biased.
+  std::filesystem::path root;      ///< Where the bundle's files are.
+  std::vector<std::string> notes;  ///< What a person should know: what was rounded, what is biased.
   std::vector<std::string> warnings;  ///< Of the scene, "file:line: warning: ...".
 };
 /// INVALID_ARGUMENT where an option or an image of the scene is bad.
