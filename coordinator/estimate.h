@@ -13,11 +13,11 @@ namespace strata {
 /// The error-carrying channels: R, G, B.
 inline constexpr int kColours = 3;
 
-/// ci95 is +- t sqrt(v / n), with v the mean of two halves: the pixel's own n stderr^2, and its mean
-/// over the 8 pixels around it. Each has 7 degrees of freedom, so v has 7 / (1/4 + 1/32), about 25
-/// (Satterthwaite 1946), and t is the 97.5 % quantile of Student's distribution with as many. All
-/// nine in equal parts would be steadier and fail where the variance changes from pixel to pixel:
-/// docs/decisions.md.
+/// ci95 is +- t sqrt(v / n), with v the mean of two halves: the pixel's own n stderr^2, and its
+/// mean over the 8 pixels around it. Each has 7 degrees of freedom, so v has 7 / (1/4 + 1/32),
+/// about 25 (Satterthwaite 1946), and t is the 97.5 % quantile of Student's distribution with as
+/// many. All nine in equal parts would be steadier and fail where the variance changes from pixel
+/// to pixel: docs/decisions.md.
 inline constexpr double kIntervalDegrees = 25;
 inline constexpr double kStudent25 = 2.059538552753294;
 /// The same quantile with 7 degrees, for a pixel that has no neighbours.
