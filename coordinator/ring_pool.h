@@ -31,8 +31,8 @@ class Neighbourhoods {
   PlaneSize size_;
 };
 
-/// In the place of each value the mean over the pixel's 5x5 ring without the pixel, the ring clipped
-/// at the border of the plane. Requires at least 2 pixels in each direction.
+/// In the place of each value the mean over the pixel's 5x5 ring without the pixel, the ring
+/// clipped at the border of the plane. Requires at least 2 pixels in each direction.
 Plane RingMeans(PlaneSize size, Plane plane);
 
 /// The same with the greatest of four means over the ring's halves: the 14 pixels above the pixel
