@@ -218,8 +218,8 @@ double Coverage(bool pooled) {
   return static_cast<double>(covered) / intervals;
 }
 
-// The block has 63 degrees of freedom, so t(50) covers 0.951; 49152 intervals have a standard error
-// of 0.001, and the bounds are 5 of them away.
+// 0.95 is due, give or take Satterthwaite's approximation; 49152 intervals have a standard error of
+// 0.001, and the bounds are 5 of them away from 0.951.
 TEST(CoverageTest, Ci95CoversNormalPixels) { EXPECT_NEAR(Coverage(true), 0.951, 0.005); }
 
 // The control: a normal quantile with one pixel's 7 degrees of freedom covers 0.909.
