@@ -65,7 +65,7 @@ void AddRow(const double* row, size_t width, double* sums) {
 
 /// Sums of rows first, then of columns of these sums; the pixel's own row comes last, so that
 /// leaving the pixel out needs no subtraction.
-template <size_t kRadius, bool kWithCentre, typename Rows>
+template <size_t kRadius, typename Rows>
 void Sum(PlaneSize size, Rows rows, double* sums) {
   constexpr size_t kEdge = 2 * kRadius + 1;
   const size_t width = size.width;
@@ -83,14 +83,14 @@ void Sum(PlaneSize size, Rows rows, double* sums) {
       const double* other = &row_sums[(y + k) % kEdge * width];
       for (size_t x = 0; x < width; ++x) sum[x] += other[x];
     }
-    AddRow<kRadius, kWithCentre>(rows.Row(y + kReach), width, sum);
+    AddRow<kRadius, false>(rows.Row(y + kReach), width, sum);
   }
 }
 
-template <size_t kRadius, bool kWithCentre>
+template <size_t kRadius>
 std::vector<double> Sums(PlaneSize size, const std::vector<double>& padded) {
   std::vector<double> sums(size.Pixels());
-  Sum<kRadius, kWithCentre>(size, PaddedRows(size, padded), sums.data());
+  Sum<kRadius>(size, PaddedRows(size, padded), sums.data());
   return sums;
 }
 
@@ -122,16 +122,16 @@ double RowSum(const double* row, size_t width) {
 }  // namespace
 
 std::vector<double> Neighbourhoods::Beside(const std::vector<double>& padded) const {
-  return Sums<1, false>(size_, padded);
+  return Sums<1>(size_, padded);
 }
 
 std::vector<double> Neighbourhoods::Ring(const std::vector<double>& padded) const {
-  return Sums<kReach, false>(size_, padded);
+  return Sums<kReach>(size_, padded);
 }
 
 Plane RingMeans(PlaneSize size, Plane plane) {
   const std::vector<double> rows = WithinReach(size.height), columns = WithinReach(size.width);
-  Sum<kReach, false>(size, CopiedRows(size, plane), plane.data());
+  Sum<kReach>(size, CopiedRows(size, plane), plane.data());
   for (size_t y = 0; y < size.height; ++y) {
     double* mean = &plane[y * size.width];
     for (size_t x = 0; x < size.width; ++x) mean[x] /= rows[y] * columns[x] - 1;
