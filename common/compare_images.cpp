@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "common/pixel_layout.h"
@@ -43,8 +44,10 @@ class ImageView {
 
   /// Whether the pixel's values are finite and come of finite samples.
   bool Usable(size_t pixel) const {
-    if (flags_ != kNone && (static_cast<uint32_t>(Value(pixel, flags_)) & kFlagNonFinite)) {
-      return false;
+    if (flags_ != kNone) {
+      const double flags = Value(pixel, flags_);
+      if (!(flags >= 0 && flags <= std::numeric_limits<uint32_t>::max())) return false;
+      if (static_cast<uint32_t>(flags) & kFlagNonFinite) return false;
     }
     for (size_t c = 0; c < kColours; ++c) {
       if (!std::isfinite(Colour(pixel, c))) return false;

@@ -24,8 +24,8 @@ runtime=(
 )
 # To test, and to compile often.
 test=(libgtest-dev libgmock-dev libbenchmark-dev ccache)
-# For what CI checks on top: formatting, locking, containers.
-ci=(clang clang-format docker.io docker-compose debootstrap)
+# For what CI checks on top: formatting, locking, sanitizers (llvm names their stack frames), containers.
+ci=(clang clang-format libclang-rt-dev llvm docker.io docker-compose debootstrap)
 
 packages=()
 for set in "${@:-build}"; do

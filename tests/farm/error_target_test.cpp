@@ -261,10 +261,11 @@ TEST(ErrorTargetTest, WithUniformAllocationTheyDo) {
 TEST_P(EitherTarget, IsMetBelowTheCapWhereTheNoiseIsInOnePlace) {
   for (const size_t edge : {24, 32, 40, 64, 100}) {
     for (const auto& [width, height] : {std::pair<size_t, size_t>{4, 3}, {5, 5}, {8, 8}}) {
-      const SyntheticImage image({edge, edge}, [&](size_t x, size_t y) {
-        const bool noisy = x >= 7 && x < 7 + width && y >= 9 && y < 9 + height;
-        return SyntheticPixel{1, 0, 0, noisy ? 2.0 : 0.1};
-      });
+      const SyntheticImage image(
+          {edge, edge}, [width = width, height = height](size_t x, size_t y) {
+            const bool noisy = x >= 7 && x < 7 + width && y >= 9 && y < 9 + height;
+            return SyntheticPixel{1, 0, 0, noisy ? 2.0 : 0.1};
+          });
       SyntheticRender render(image, 9);
       const Finished finished = RenderJob(render, Spec({edge, edge}));
       EXPECT_TRUE(finished.last.target_met) << edge << ": " << width << 'x' << height;

@@ -14,7 +14,8 @@ namespace {
 
 struct Count {
   int hits = 0;     ///< Rays that reached the shape.
-  int again = 0;    ///< Of those, rays that left on the outer side and met the convex shape again.
+  int again = 0;    ///< Of those, rays that left on the outer side and met the same face again.
+  int edges = 0;    ///< Of those, rays that left on the outer side and met another face.
   int escaped = 0;  ///< Of those, rays sent inside that met nothing.
 };
 
@@ -38,7 +39,11 @@ Count LeaveConvex(const Geometry& geometry, const Transform& to_world, int rays,
     Vec3f out = ToFloat(w);
     if (Dot(out, point.ng) < 0) out = -out;
     if (Dot(out, point.ng) == 0) continue;
-    if (geometry.Occluded({OffsetRayOrigin(point, out), out})) ++count.again;
+    const Ray leaving{OffsetRayOrigin(point, out), out};
+    if (geometry.Intersect(leaving, &hit)) {
+      const bool same_face = Dot(geometry.Surface(leaving, hit).ng, point.ng) > 1 - 1e-6f;
+      ++(same_face ? count.again : count.edges);
+    }
     if (!geometry.Occluded({OffsetRayOrigin(point, -out), -out})) ++count.escaped;
   }
   return count;
@@ -58,6 +63,9 @@ TEST(SelfIntersection, RaysLeaveMeshesOfAnySize) {
                      " triangles " + std::to_string(mesh.triangles.size()));
         EXPECT_GT(count.hits, 15000);
         EXPECT_EQ(count.again, 0);
+        // Embree's robust triangles are wider than their edges by some units in the last place, so
+        // that nothing slips between them: a ray may graze one face and still meet the next.
+        EXPECT_LE(count.edges, 2);
         // At an edge an origin moved inwards from one face can pass the other: a few in a million.
         EXPECT_LE(count.escaped, 2);
       }
@@ -106,6 +114,7 @@ TEST(SelfIntersection, RaysLeaveSpheres) {
       SCOPED_TRACE(scale);
       EXPECT_GT(count.hits, 15000);
       EXPECT_EQ(count.again, 0);
+      EXPECT_EQ(count.edges, 0);
       EXPECT_EQ(count.escaped, 0);
     }
   }
@@ -129,6 +138,7 @@ TEST(SelfIntersection, RaysLeaveInstances) {
       SCOPED_TRACE(scale);
       EXPECT_GT(count.hits, 15000);
       EXPECT_EQ(count.again, 0);
+      EXPECT_LE(count.edges, 2);
       EXPECT_LE(count.escaped, 2);
     }
   }
