@@ -2,15 +2,12 @@
 
 #include <absl/strings/str_format.h>
 
-#include <nlohmann/json.hpp>
-
 #include "cli/format.h"
+#include "cli/json.h"
 #include "common/text.h"
 
 namespace strata {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr const char* kColourNames[3] = {"R", "G", "B"};
 
@@ -114,8 +111,6 @@ std::string VerdictLine(const DiffImage& a, const DiffImage& b, const ImageDiffe
   }
   return "agreement is not tested";
 }
-
-Json RectJson(const PixelRect& rect) { return Json::array({rect.x0, rect.y0, rect.x1, rect.y1}); }
 
 /// The three channels' `field`, times `factor`.
 template <typename Channels, typename Field>

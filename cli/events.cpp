@@ -1,18 +1,14 @@
 #include "cli/events.h"
 
-#include <nlohmann/json.hpp>
+#include "cli/json.h"
 
 namespace strata {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 /// Names come from other people: bytes that are no UTF-8 are replaced.
 std::string Dump(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
-
-Json RectJson(const PixelRect& rect) { return Json::array({rect.x0, rect.y0, rect.x1, rect.y1}); }
 
 /// Null where an estimate is not known.
 Json KnownJson(double estimate) { return estimate < 0 ? Json(nullptr) : Json(estimate); }

@@ -24,7 +24,7 @@ constexpr auto kConnectDeadline = std::chrono::seconds(5);
 constexpr auto kAnswerDeadline = std::chrono::seconds(30);
 constexpr size_t kDigestsInRequest = 4096;
 
-using Clock = std::chrono::system_clock;  // gRPC's deadlines.
+using DeadlineClock = std::chrono::system_clock;  // gRPC's.
 
 }  // namespace
 
@@ -34,7 +34,7 @@ struct FarmClient::State {
   std::unique_ptr<v1::FarmService::Stub> stub;
 
   absl::Status Connect() const {
-    if (server.empty() || channel->WaitForConnected(Clock::now() + kConnectDeadline)) {
+    if (server.empty() || channel->WaitForConnected(DeadlineClock::now() + kConnectDeadline)) {
       return absl::OkStatus();
     }
     return absl::UnavailableError(absl::StrCat(server,
@@ -51,7 +51,7 @@ struct FarmClient::State {
                    const Request& request, Response* response) const {
     STRATA_RETURN_IF_ERROR(Connect());
     grpc::ClientContext context;
-    context.set_deadline(Clock::now() + kAnswerDeadline);
+    context.set_deadline(DeadlineClock::now() + kAnswerDeadline);
     const absl::Status status = wire::FromGrpc((stub.get()->*method)(&context, request, response));
     if (!absl::IsDeadlineExceeded(status)) return status;
     return absl::UnavailableError(absl::StrCat(server, ": no answer within 30 s; try again"));
@@ -279,7 +279,7 @@ absl::StatusOr<std::vector<WorkerStatus>> FarmClient::Workers() {
 absl::Status FarmClient::Health() {
   STRATA_RETURN_IF_ERROR(state_->Connect());
   grpc::ClientContext context;
-  context.set_deadline(Clock::now() + kConnectDeadline);
+  context.set_deadline(DeadlineClock::now() + kConnectDeadline);
   grpc::health::v1::HealthCheckResponse response;
   const auto stub = grpc::health::v1::Health::NewStub(state_->channel);
   const absl::Status status =

@@ -20,7 +20,7 @@ constexpr size_t kPlannedToMiss = 2 * kMayMiss;
 /// The variance of a half ring has at most 14 * 7 degrees of freedom: a standard error of 14 % or
 /// more. Without a margin pixels stop at the look that happens to flatter them, after eight rounds.
 /// docs/accuracy.md has the share that truly meets the target with this one, and the price.
-constexpr double kMargin = 1.25;
+constexpr double kNeedMargin = 1.25;
 
 constexpr double kDegrees = kReplicates - 1;
 
@@ -144,7 +144,7 @@ double PlanPixel(const PixelStatistics& now, const Outside& outside, size_t i, d
                  double cap, TargetRound& round) {
   if (outside.Met(i) || !outside.TooManyUnmet(i)) return 0;
   const double wanted =
-      std::min(std::ceil(kMargin / kReplicates * std::min(need, outside.Limit(i))), cap);
+      std::min(std::ceil(kNeedMargin / kReplicates * std::min(need, outside.Limit(i))), cap);
   if (!(wanted > now.samples[i])) return 0;
   round.ends[i] = static_cast<uint32_t>(wanted);
   round.added += uint64_t{kReplicates} * (round.ends[i] - now.samples[i]);

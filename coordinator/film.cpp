@@ -94,7 +94,7 @@ absl::StatusOr<FilmGeometry> ReadHeader(const FileHeader& header, size_t file_by
   return geometry;
 }
 
-absl::Status FileError(const std::filesystem::path& path, std::string_view what) {
+absl::Status SystemError(const std::filesystem::path& path, std::string_view what) {
   const int error = errno;
   std::string message = fmt::format("{}: {}: {}", path.string(), what, std::strerror(error));
   return error == ENOSPC ? absl::ResourceExhaustedError(message) : absl::UnavailableError(message);
@@ -110,7 +110,7 @@ struct Descriptor {
 
 absl::StatusOr<std::byte*> Map(int fd, size_t bytes, const std::filesystem::path& path) {
   void* data = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0);
-  if (data == MAP_FAILED) return FileError(path, "cannot be mapped");
+  if (data == MAP_FAILED) return SystemError(path, "cannot be mapped");
   return static_cast<std::byte*>(data);
 }
 
@@ -125,9 +125,9 @@ absl::Status Reserve(int fd, size_t bytes, const std::filesystem::path& path) {
                     path.string(), bytes, space.available));
   }
   if (fallocate(fd, 0, 0, static_cast<off_t>(bytes)) == 0) return absl::OkStatus();
-  if (errno != EOPNOTSUPP) return FileError(path, fmt::format("no room for {} bytes", bytes));
+  if (errno != EOPNOTSUPP) return SystemError(path, fmt::format("no room for {} bytes", bytes));
   if (ftruncate(fd, static_cast<off_t>(bytes)) == 0) return absl::OkStatus();
-  return FileError(path, fmt::format("cannot have {} bytes", bytes));
+  return SystemError(path, fmt::format("cannot have {} bytes", bytes));
 }
 
 }  // namespace
@@ -135,7 +135,7 @@ absl::Status Reserve(int fd, size_t bytes, const std::filesystem::path& path) {
 absl::StatusOr<std::unique_ptr<Film>> Film::Create(const std::filesystem::path& path,
                                                    const FilmGeometry& geometry) {
   const Descriptor file{open(path.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0644)};
-  if (file.fd < 0) return FileError(path, "cannot be created");
+  if (file.fd < 0) return SystemError(path, "cannot be created");
   const FileHeader header = HeaderOf(geometry);
   if (const absl::Status status = Reserve(file.fd, header.file_bytes, path); !status.ok()) {
     unlink(path.c_str());
@@ -148,10 +148,10 @@ absl::StatusOr<std::unique_ptr<Film>> Film::Create(const std::filesystem::path& 
 
 absl::StatusOr<std::unique_ptr<Film>> Film::Open(const std::filesystem::path& path) {
   const Descriptor file{open(path.c_str(), O_RDWR | O_CLOEXEC)};
-  if (file.fd < 0) return FileError(path, "cannot be opened");
+  if (file.fd < 0) return SystemError(path, "cannot be opened");
   FileHeader header;
   struct stat info;
-  if (fstat(file.fd, &info) != 0) return FileError(path, "cannot be examined");
+  if (fstat(file.fd, &info) != 0) return SystemError(path, "cannot be examined");
   if (pread(file.fd, &header, sizeof(header), 0) != static_cast<ssize_t>(sizeof(header))) {
     return absl::DataLossError(fmt::format("{}: it ends within its header", path.string()));
   }

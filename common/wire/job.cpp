@@ -47,7 +47,7 @@ absl::Status EnumFromWire(const Table& table, Wire value, std::string_view field
   return FieldError(field, absl::StrCat("unknown value ", static_cast<int>(value)));
 }
 
-absl::StatusOr<Bundle> FromWire(const v1::Bundle& message) {
+absl::StatusOr<Bundle> BundleFromWire(const v1::Bundle& message) {
   Bundle bundle;
   bundle.scene = message.scene();
   bundle.files.reserve(static_cast<size_t>(message.files_size()));
@@ -118,7 +118,7 @@ absl::StatusOr<JobSpec> FromWire(const v1::JobSpec& message) {
   STRATA_RETURN_IF_ERROR(CheckText(message.name(), 1024, false, "spec.name"));
   spec.name = message.name();
   spec.priority = message.priority();
-  STRATA_ASSIGN_OR_RETURN(spec.bundle, FromWire(message.bundle()));
+  STRATA_ASSIGN_OR_RETURN(spec.bundle, BundleFromWire(message.bundle()));
   spec.width = message.width();
   spec.height = message.height();
   spec.crop = FromWire(message.crop());

@@ -38,7 +38,7 @@ absl::Status AppendPerPixel(const google::protobuf::RepeatedField<uint32_t>& fie
   return absl::OkStatus();
 }
 
-absl::StatusOr<PixelLayout> FromWire(const v1::PixelLayout& message) {
+absl::StatusOr<PixelLayout> LayoutFromWire(const v1::PixelLayout& message) {
   if (message.estimated() < 1 || message.estimated() > kMaxEstimated) {
     return FieldError("partial.header.layout.estimated", "must be 1 to 16");
   }
@@ -112,7 +112,7 @@ absl::Status PartialAssembler::Begin(const v1::PartialHeader& header) {
     return FieldError("partial.header.pixels",
                       "must be a rectangle of 1 to 1024 x 1024 pixels in the frame");
   }
-  STRATA_ASSIGN_OR_RETURN(const PixelLayout layout, FromWire(header.layout()));
+  STRATA_ASSIGN_OR_RETURN(const PixelLayout layout, LayoutFromWire(header.layout()));
   const uint64_t bytes = static_cast<uint64_t>(rect.Pixels()) * (Doubles(layout) * 8 + 16);
   if (bytes > kMaxPartialBytes) {
     return FieldError("partial.header.pixels",

@@ -14,8 +14,6 @@ namespace {
 
 constexpr int kMaxDigests = 65536;
 
-SteadyTime Now() { return std::chrono::steady_clock::now(); }
-
 grpc::ServerUnaryReactor* Answer(grpc::CallbackServerContext* context, const absl::Status& status) {
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
   reactor->Finish(wire::ToGrpc(status));

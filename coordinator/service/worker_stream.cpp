@@ -14,8 +14,6 @@ namespace {
 /// does not take them cannot make the queue grow.
 constexpr size_t kOutboxLimit = 64;
 
-SteadyTime Now() { return std::chrono::steady_clock::now(); }
-
 }  // namespace
 
 void WorkerStream::Run() {

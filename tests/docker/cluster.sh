@@ -87,7 +87,8 @@ compose up --detach --no-build --scale worker=3 >"$run/up.log" 2>&1 ||
 until_true 120 "coordinator and workers to be healthy" all_healthy
 server=$(compose port coordinator 7447)
 [[ $server == 127.0.0.1:* ]] || fail "the coordinator is published on $server and not on loopback"
-first=$(workers | head -n 1)
+mapfile -t ids < <(workers)  # All of them: whoever still writes into a closed pipe ends with an error.
+first=${ids[0]}
 [[ $(docker exec "$first" id -u) != 0 ]] || fail "the worker runs as root"
 "$bin/strata" workers --server "$server"
 

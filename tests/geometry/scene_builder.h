@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "worker/geometry/geometry.h"
-#include "worker/geometry/vec3d.h"
+#include "worker/math/vec3d.h"
 
 // Small scenes and random placements for the tests of this folder.
 

@@ -144,7 +144,9 @@ TEST(LampDirections, AreNoneTowardsADarkSide) {
       const std::optional<LightSample> sample = lamp.Sample(c.from, random.Float2());
       // A twisted patch may show both sides.
       lit += sample.has_value();
-      if (sample) EXPECT_GT(lamp.Pdf(c.from, sample->wi), 0) << c.name;
+      if (sample) {
+        EXPECT_GT(lamp.Pdf(c.from, sample->wi), 0) << c.name;
+      }
     }
     EXPECT_GE(lit, 1) << c.name;
   }

@@ -35,7 +35,7 @@ class InProcessFarm {
   FarmClient& client() { return *client_; }
 
  private:
-  TemporaryDirectory directory_;
+  ScratchDirectory directory_;
   std::unique_ptr<CoordinatorServer> server_;
   std::vector<std::unique_ptr<InProcessWorker>> workers_;
   std::unique_ptr<FarmClient> client_;
@@ -60,7 +60,7 @@ class TcpFarm {
 
  private:
   const double silence_s_;
-  TemporaryDirectory directory_;
+  ScratchDirectory directory_;
   int port_ = 0;
   std::unique_ptr<Process> coordinator_;
   std::vector<std::unique_ptr<Process>> workers_;

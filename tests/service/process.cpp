@@ -22,13 +22,13 @@ bool Eventually(const std::function<bool()>& condition) {
   return false;
 }
 
-TemporaryDirectory::TemporaryDirectory() {
+ScratchDirectory::ScratchDirectory() {
   std::string name = (std::filesystem::temp_directory_path() / "strata-test-XXXXXX").string();
   EXPECT_NE(mkdtemp(name.data()), nullptr);
   path_ = name;
 }
 
-TemporaryDirectory::~TemporaryDirectory() {
+ScratchDirectory::~ScratchDirectory() {
   std::error_code ignored;
   std::filesystem::remove_all(path_, ignored);
 }

@@ -16,10 +16,10 @@ namespace strata {
 bool Eventually(const std::function<bool()>& condition);
 
 /// A directory that is removed with this object.
-class TemporaryDirectory {
+class ScratchDirectory {
  public:
-  TemporaryDirectory();
-  ~TemporaryDirectory();
+  ScratchDirectory();
+  ~ScratchDirectory();
   std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
 
  private:

@@ -166,7 +166,7 @@ TEST(Service, CancelPauseResumeRetryAndDelete) {
 TEST(Service, ASceneThatDoesNotLoadFailsItsJobWithTheReason) {
   TcpFarm farm;
   farm.StartWorker(1);
-  TemporaryDirectory directory;
+  ScratchDirectory directory;
   std::ofstream(directory / "bad.pbrt") << "WorldBegin\nShape \"no such shape\"\n";
   TestScene scene = SmallScene();
   scene.root = directory / "";
@@ -243,7 +243,7 @@ TEST(Service, WorkersThatSpeakOtherwiseAreRefusedWithASentence) {
 }
 
 TEST(Service, BeyondLoopbackWantsInsecure) {
-  TemporaryDirectory directory;
+  ScratchDirectory directory;
   ServerOptions options;
   options.farm.state_dir = directory / "state";
   options.listen = "0.0.0.0:0";
@@ -258,7 +258,7 @@ TEST(Service, BeyondLoopbackWantsInsecure) {
 
 TEST(Service, APortIsServedByOneCoordinator) {
   TcpFarm farm;
-  TemporaryDirectory directory;
+  ScratchDirectory directory;
   Process second("strata-coordinator", {"--listen", farm.server(), "--state", directory / "state"},
                  directory / "log");
   EXPECT_EQ(second.Wait(), 1);
@@ -274,7 +274,7 @@ TEST(Service, AWorkerMayComeBeforeItsCoordinatorAndTellsItsLink) {
   TcpFarm farm;
   farm.coordinator().Signal(SIGKILL);
   farm.coordinator().Wait();
-  TemporaryDirectory directory;
+  ScratchDirectory directory;
   const std::filesystem::path health = directory / "health";
   Process worker("strata-worker",
                  {"--server", farm.server(), "--cache", directory / "cache", "--threads", "1",

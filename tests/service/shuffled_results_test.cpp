@@ -134,7 +134,7 @@ class ShuffledRun {
   const TestScene scene_;
   std::mt19937_64 random_;
   RenderPool pool_;
-  TemporaryDirectory directory_;
+  ScratchDirectory directory_;
   SteadyTime now_{std::chrono::hours(1)};
   std::unique_ptr<Farm> farm_;
   std::unique_ptr<Renderer> renderer_;

@@ -10,8 +10,6 @@
 namespace strata {
 namespace {
 
-SteadyTime Now() { return std::chrono::steady_clock::now(); }
-
 void Nap(int microseconds) { std::this_thread::sleep_for(std::chrono::microseconds(microseconds)); }
 
 struct NumberScene final : LoadedScene {

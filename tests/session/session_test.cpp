@@ -7,8 +7,6 @@
 namespace strata {
 namespace {
 
-SteadyTime Now() { return std::chrono::steady_clock::now(); }
-
 void Nap() { std::this_thread::sleep_for(std::chrono::milliseconds(1)); }
 
 /// The digest of a job on one undisturbed worker.

@@ -3,7 +3,7 @@
 #include <array>
 #include <optional>
 
-#include "worker/geometry/vec3d.h"
+#include "worker/math/vec3d.h"
 
 namespace strata {
 

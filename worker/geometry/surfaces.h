@@ -4,8 +4,8 @@
 #include <optional>
 #include <variant>
 
-#include "worker/geometry/vec3d.h"
 #include "worker/math/box.h"
+#include "worker/math/vec3d.h"
 #include "worker/scene/description.h"
 
 // Curved surfaces in their own space, in double. Each kind is a plain struct, made from its

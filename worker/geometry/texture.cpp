@@ -9,7 +9,7 @@
 #include <variant>
 
 #include "worker/geometry/image_texels.h"
-#include "worker/geometry/vec3d.h"
+#include "worker/math/vec3d.h"
 
 namespace strata {
 namespace {

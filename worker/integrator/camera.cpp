@@ -3,13 +3,10 @@
 #include <array>
 
 #include "worker/math/elementary.h"
+#include "worker/math/vec3d.h"
 
 namespace strata {
 namespace {
-
-Vec3f ToFloat(Vec3d v) {
-  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
-}
 
 /// x_min, x_max, y_min, y_max: the shorter side spans [-1, 1] unless the file says otherwise.
 std::array<double, 4> ScreenWindow(const CameraDescription& camera, int width, int height) {

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <utility>
 
-#include "worker/geometry/vec3d.h"
+#include "worker/math/vec3d.h"
 
 namespace strata {
 namespace {

@@ -4,15 +4,10 @@
 #include <utility>
 
 #include "worker/math/elementary.h"
+#include "worker/math/vec3d.h"
 
 namespace strata {
 namespace {
-
-double Dot(Vec3d a, Vec3d b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-
-Vec3d Cross(Vec3d a, Vec3d b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
 
 std::optional<Vec3d> Unit(Vec3d v) {
   const double length = std::sqrt(Dot(v, v));

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "worker/math/vec3d.h"
 #include "worker/pbrt/entities.h"
 
 namespace strata {
@@ -34,13 +35,7 @@ Rgb Scaled(ParameterReader& parameters, Rgb color, double scale) {
   return scaled;
 }
 
-Vec3f ToFloat(Vec3d v) {
-  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
-}
-
 bool IsFinite(Vec3d v) { return strata::IsFinite(ToFloat(v)); }
-
-Vec3d ToDouble(Vec3f v) { return {v.x, v.y, v.z}; }
 
 absl::StatusOr<LightDescription> ReadPoint(const Transform& world_from_light,
                                            std::string_view color_space,
