@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "bench/calibration_trials.h"
@@ -14,8 +14,29 @@
 
 namespace strata {
 
+inline constexpr double kNoLimit = std::numeric_limits<double>::infinity();
+
+/// A figure and, where one is asked for, its range.
+struct Figure {
+  std::string name;
+  double value = 0;
+  double least = -kNoLimit, greatest = kNoLimit;
+
+  bool HasRange() const { return least > -kNoLimit || greatest < kNoLimit; }
+  bool InRange() const { return value >= least && value <= greatest; }
+};
+
 /// In the order in which they are printed.
-using Figures = std::vector<std::pair<std::string, double>>;
+using Figures = std::vector<Figure>;
+
+/// For parts whose figures are told and not judged.
+inline void ClearRanges(Figures* figures) {
+  for (Figure& figure : *figures) {
+    figure.least = -kNoLimit;
+    figure.greatest = kNoLimit;
+  }
+}
+
 using Trials = std::vector<Trial>;
 
 /// Mean and variance of a single trial's estimate, for each channel.
@@ -100,9 +121,10 @@ inline double FifthPercentile(std::vector<double> values) {
   return *at;
 }
 
-/// Which intervals hold the truth. `at_lamp` marks the pixels at edges of visible lamps.
+/// Which intervals hold the truth. `at_lamp` marks the pixels at edges of visible lamps. Flags are
+/// judged from 1024 samples per pixel on.
 inline void AddCoverage(const Trials& trials, const Truth& truth,
-                        const std::vector<uint8_t>& at_lamp, Figures* figures) {
+                        const std::vector<uint8_t>& at_lamp, double spp, Figures* figures) {
   constexpr double kNormal95 = 1.959963984540054;
   Share held, dark, bright, raw, held_at_lamp, held_unflagged, flagged;
   std::vector<double> away_from_lamp, held_by_trial(trials.size());
@@ -128,19 +150,18 @@ inline void AddCoverage(const Trials& trials, const Truth& truth,
   }
   const double channels = static_cast<double>(truth.reference.mean.size());
   const double live = static_cast<double>(held.all) / static_cast<double>(trials.size());
-  figures->emplace_back("channels without variance", channels - live);
-  figures->emplace_back("coverage of ci95", held.Value());
-  figures->emplace_back("coverage of ci95, +-", MeanOf(held_by_trial).error / live);
-  figures->emplace_back("missed, estimate too dark", dark.Value());
-  figures->emplace_back("missed, estimate too bright", bright.Value());
-  figures->emplace_back("coverage, 5th percentile of channels off lamp edges",
-                        FifthPercentile(away_from_lamp));
-  figures->emplace_back("channels at lamp edges",
-                        live - static_cast<double>(away_from_lamp.size()));
-  if (held_at_lamp.all > 0) figures->emplace_back("coverage at lamp edges", held_at_lamp.Value());
-  figures->emplace_back("flagged", flagged.Value());
-  figures->emplace_back("coverage where not flagged", held_unflagged.Value());
-  figures->emplace_back("control: coverage of 1.96 stderr", raw.Value());
+  figures->push_back({"channels without variance", channels - live});
+  figures->push_back({"coverage of ci95", held.Value(), 0.94, 0.96});
+  figures->push_back({"coverage of ci95, +-", MeanOf(held_by_trial).error / live});
+  figures->push_back({"missed, estimate too dark", dark.Value(), 0.01, 0.04});
+  figures->push_back({"missed, estimate too bright", bright.Value(), 0.01, 0.04});
+  figures->push_back({"coverage, 5th percentile of channels off lamp edges",
+                      FifthPercentile(away_from_lamp), 0.90});
+  figures->push_back({"channels at lamp edges", live - static_cast<double>(away_from_lamp.size())});
+  if (held_at_lamp.all > 0) figures->push_back({"coverage at lamp edges", held_at_lamp.Value()});
+  figures->push_back({"flagged", flagged.Value(), -kNoLimit, spp < 1024 ? kNoLimit : 0.20});
+  figures->push_back({"coverage where not flagged", held_unflagged.Value()});
+  figures->push_back({"control: coverage of 1.96 stderr", raw.Value(), -kNoLimit, 0.94});
 }
 
 /// Mean over pixels of mean(claimed squared error) / variance, times (S-3)/(S-1), the reciprocal of
@@ -164,10 +185,10 @@ inline void AddErrorRatio(const Trials& trials, Figures* figures) {
   const double unbiased = (spread.trials - 3) / (spread.trials - 1);
   const double mean = sum / live;
   const double variance = sum_of_squares / live - mean * mean;
-  figures->emplace_back("mean stderr^2 / variance", mean * unbiased);
+  figures->push_back({"mean stderr^2 / variance", mean * unbiased, 0.97, 1.03});
   // Channels of a pixel may be as good as one.
-  figures->emplace_back("mean stderr^2 / variance, +-", std::sqrt(variance / (live / kColours)));
-  figures->emplace_back("control: the same with s^2/n", iid_sum / live * unbiased);
+  figures->push_back({"mean stderr^2 / variance, +-", std::sqrt(variance / (live / kColours))});
+  figures->push_back({"control: the same with s^2/n", iid_sum / live * unbiased});
 }
 
 /// (mean - reference) / sigma, averaged over channels, for each trial.
@@ -202,16 +223,18 @@ inline void AddBias(const Trials& trials, const Trials& references, Figures* fig
     reference_error_squared += error * error / 2;  // Of half as many trials, halved.
   }
   const double error = MeanOf(both).error;
-  figures->emplace_back("bias in sigma of uniform", bias);
-  figures->emplace_back("bias in sigma of uniform, +-",
-                        std::sqrt(error * error + reference_error_squared));
+  const double own_error = std::sqrt(error * error + reference_error_squared);
+  // Judged where it is known well enough.
+  const double most = own_error <= 0.0015 ? 0.005 : kNoLimit;
+  figures->push_back({"bias in sigma of uniform", bias, -most, most});
+  figures->push_back({"bias in sigma of uniform, +-", own_error});
   double fewest = static_cast<double>(trials.size());
   for (size_t i = 0; i < trials.front().mean.size(); ++i) {
     double lit = 0;
     for (const Trial& trial : trials) lit += trial.mean[i] != 0;
     if (lit > 0) fewest = std::min(fewest, lit);
   }
-  figures->emplace_back("fewest trials with light in a channel that has any", fewest);
+  figures->push_back({"fewest trials with light in a channel that has any", fewest});
 }
 
 /// Mean squared error over that of uniform trials of `spp`, both times their samples. Predicted: if
@@ -234,11 +257,11 @@ inline void AddEfficiency(const Trials& trials, const Truth& truth, double spp, 
   const double renders = static_cast<double>(trials.size());
   samples /= renders * static_cast<double>(trials.front().samples.size());
   const MeanAndError error = MeanOf(errors);
-  figures->emplace_back("samples per pixel", samples);
-  figures->emplace_back("MSE x samples over uniform's", error.mean * samples / spp);
-  figures->emplace_back("MSE x samples over uniform's, +-", error.error * samples / spp);
-  figures->emplace_back("predicted from uniform's variances",
-                        predicted / renders / uniform * samples / spp);
+  figures->push_back({"samples per pixel", samples});
+  figures->push_back({"MSE x samples over uniform's", error.mean * samples / spp});
+  figures->push_back({"MSE x samples over uniform's, +-", error.error * samples / spp});
+  figures->push_back(
+      {"predicted from uniform's variances", predicted / renders / uniform * samples / spp});
 }
 
 }  // namespace strata

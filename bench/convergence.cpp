@@ -41,8 +41,10 @@ struct Method {
 constexpr Method kMethods[] = {
     {SamplerKind::kIndependent, AllocationKind::kUniform},
     {SamplerKind::kIndependent, AllocationKind::kRing},
+    {SamplerKind::kIndependent, AllocationKind::kGreedy},
     {SamplerKind::kSobol, AllocationKind::kUniform},
     {SamplerKind::kSobol, AllocationKind::kRing},
+    {SamplerKind::kSobol, AllocationKind::kGreedy},
 };
 
 /// A render, and what rendering alone took: no planning, merging or estimating.
@@ -160,7 +162,7 @@ Point PointOf(uint32_t spp, const Seeds& seeds) {
 }
 
 /// The curves of all methods. Methods take turns, so that what else the machine does meets all.
-/// Below 64 samples the ring has no second round: its curve begins there.
+/// Below 64 samples an allocation has no second round: the curves of ring and greedy begin there.
 absl::StatusOr<std::vector<Curve>> Measure(const SceneBench& scene, const Trial& reference,
                                            double own_error, const Options& options,
                                            RenderPool& pool) {
@@ -169,7 +171,7 @@ absl::StatusOr<std::vector<Curve>> Measure(const SceneBench& scene, const Trial&
     std::vector<Seeds> seeds(std::size(kMethods));
     for (int i = 0; i < options.seeds; ++i) {
       for (size_t m = 0; m < std::size(kMethods); ++m) {
-        if (kMethods[m].allocation == AllocationKind::kRing && spp < 64) continue;
+        if (kMethods[m].allocation != AllocationKind::kUniform && spp < 64) continue;
         STRATA_ASSIGN_OR_RETURN(const TimedTrial timed,
                                 scene.Render(kMethods[m], spp, static_cast<uint64_t>(i) + 1, pool));
         seeds[m].Add(timed, reference, own_error);

@@ -12,8 +12,9 @@ set datafile separator comma
 set logscale xy
 set format y "10^{%L}"
 set grid
-array kColours[4] = ["#888888", "#d08030", "#2060b0", "#109050"]
-array kMethods[4] = ["independent,uniform", "independent,ring", "sobol,uniform", "sobol,ring"]
+array kColours[6] = ["#888888", "#d08030", "#b0a0c0", "#2060b0", "#109050", "#c03060"]
+array kMethods[6] = ["independent,uniform", "independent,ring", "independent,greedy", \
+                     "sobol,uniform", "sobol,ring", "sobol,greedy"]
 scenes = system(sprintf("awk -F, 'NR > 1 && !seen[$1]++ { print $1 }' '%s'", convergence))
 
 curve(scene, method) = sprintf("< grep '^%s,%s,' '%s'", scene, method, convergence)
@@ -34,13 +35,13 @@ do for [plot_of in "samples time"] {
     level = real(system(sprintf("awk -F, '$1 == \"%s\" { print $%d * $6; exit }' '%s'", \
                                 scene, x, convergence)))
     plot level / x with lines dashtype 2 linecolor "black", \
-         for [m = 1:4] curve(scene, kMethods[m]) using x:6:7 with yerrorlines \
+         for [m = 1:6] curve(scene, kMethods[m]) using x:6:7 with yerrorlines \
            linecolor rgb kColours[m] linewidth 2 pointtype 7 pointsize 0.6
   }
   unset title; unset xlabel; unset ylabel; unset border; unset tics; unset grid
   set key center center
   set xrange [1:2]; set yrange [1:2]
-  plot for [m = 1:4] 0.1 with linespoints title kMethods[m] \
+  plot for [m = 1:6] 0.1 with linespoints title kMethods[m] \
          linecolor rgb kColours[m] linewidth 2 pointtype 7, \
        0.1 with lines dashtype 2 linecolor "black" title "slope -1"
   set border; set tics; set grid

@@ -9,8 +9,8 @@
 
 #include "worker/geometry/geometry.h"
 #include "worker/geometry/state.h"
-#include "worker/geometry/vec3d.h"
 #include "worker/math/elementary.h"
+#include "worker/math/vec3d.h"
 #include "worker/scene/description.h"
 
 // What Embree alone does with the rays of a scene's paths: the yardstick of the renderer's speed.
