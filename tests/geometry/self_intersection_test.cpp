@@ -52,6 +52,7 @@ Count LeaveConvex(const Geometry& geometry, const Transform& to_world, int rays,
 constexpr std::array<double, 4> kScales = {1e-4, 1, 1e3, 1e6};
 
 TEST(SelfIntersection, RaysLeaveMeshesOfAnySize) {
+  int edges = 0;
   for (const double scale : kScales) {
     for (int trial = 0; trial < 4; ++trial) {
       Random random(trial);
@@ -63,14 +64,15 @@ TEST(SelfIntersection, RaysLeaveMeshesOfAnySize) {
                      " triangles " + std::to_string(mesh.triangles.size()));
         EXPECT_GT(count.hits, 15000);
         EXPECT_EQ(count.again, 0);
-        // Embree's robust triangles are wider than their edges by some units in the last place, so
-        // that nothing slips between them: a ray may graze one face and still meet the next.
-        EXPECT_LE(count.edges, 2);
+        edges += count.edges;
         // At an edge an origin moved inwards from one face can pass the other: a few in a million.
         EXPECT_LE(count.escaped, 2);
       }
     }
   }
+  // Embree's robust triangles are wider than their edges by some units in the last place, so that
+  // nothing slips between them: a ray may graze one face and still meet the next. Of 640,000 rays.
+  EXPECT_LE(edges, 2);
 }
 
 TEST(SelfIntersection, RaysLeaveSlivers) {
@@ -138,7 +140,7 @@ TEST(SelfIntersection, RaysLeaveInstances) {
       SCOPED_TRACE(scale);
       EXPECT_GT(count.hits, 15000);
       EXPECT_EQ(count.again, 0);
-      EXPECT_LE(count.edges, 2);
+      EXPECT_EQ(count.edges, 0);
       EXPECT_LE(count.escaped, 2);
     }
   }
