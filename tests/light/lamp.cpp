@@ -26,7 +26,7 @@ std::vector<Lamp::Meeting> Lamp::Meetings(Vec3f from, Vec3f direction) const {
     const EmissionHit hit = {point.p, point.ng, direction, Length(point.p - from)};
     const Rgb radiance = lights_.SurfaceLe(0, point.ng, -direction);
     if (!IsBlack(radiance)) {
-      meetings.push_back({hit, radiance, lights_.SurfacePdf(0, from, hit)});
+      meetings.push_back({hit, radiance, lights_.SurfacePdf(0, {from}, hit)});
       if (IsSphere()) break;
     }
     ray.origin = OffsetRayOrigin(point, direction);
@@ -56,6 +56,13 @@ std::vector<LampCase> AllLampCases() {
   mesh.positions[2] = {0.2f, -0.4f, 0};
   const ShapeDescription sliver = EmissiveShape(mesh);
 
+  mesh.positions = {{-1, -0.5f, 0}, {1, -0.5f, 0}, {1, 0.5f, 0}, {-1, 0.5f, 0}};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  const ShapeDescription rectangle = EmissiveShape(mesh, Transform::Rotate(30, 1, 2, 3));
+  mesh.positions[2].x = 1.5f;
+  mesh.positions[3].x = -0.5f;
+  const ShapeDescription parallelogram = EmissiveShape(mesh);
+
   const Transform place = Transform::Translate(1, 2, 3);
   const ShapeDescription bulb = EmissiveShape(SphereShape{0.5f, -0.5f, 0.5f, 360}, place);
   ShapeDescription sphere = bulb, hollow = bulb;
@@ -83,6 +90,13 @@ std::vector<LampCase> AllLampCases() {
       {"triangle, far", triangle, {20, 30, 40}},
       {"triangle, grazing", triangle, {0.4f, -3, 0.1f}},
       {"sliver", sliver, {0, -0.6f, 0.5f}},
+      {"rectangle", rectangle, {0.3f, -0.6f, 1.5f}},
+      {"rectangle, near", rectangle, {0.1f, 0.2f, 0.4f}},
+      {"rectangle, very near", rectangle, {0.01f, 0.02f, 0.03f}},
+      {"rectangle, far", rectangle, {20, 30, 40}},
+      {"rectangle, grazing", rectangle, {1.1f, 0.35f, -0.4f}},
+      {"parallelogram", parallelogram, {0.3f, -0.6f, 1.5f}},
+      {"parallelogram, near", parallelogram, {0.1f, 0.2f, 0.4f}},
       {"sphere", sphere, {1, 2, 1.5f}},
       {"sphere, near", sphere, {1, 2, 2.495f}},
       {"sphere, far", sphere, {30, -40, 60}},

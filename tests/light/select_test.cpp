@@ -8,7 +8,7 @@
 #include "tests/statistics/random.h"
 #include "worker/light/light_set.h"
 
-// LightSet::Select chooses each light as often as Probability says.
+// LightSet::Select chooses each light as often as Probability says, and none that cannot be seen.
 
 namespace strata {
 namespace {
@@ -16,19 +16,30 @@ namespace {
 constexpr double kAlpha = 0.01;  ///< Of each test as a whole, shared out by Sidak's rule.
 constexpr int kSamples = 1000000;
 
-/// Point lights of these intensities around a disk.
-struct PointLights {
-  explicit PointLights(const std::vector<float>& intensities) {
+/// A point that looks at them.
+constexpr LightReceiver kReceiver = {{0.3f, 0.1f, -0.2f}, {0, 0, 1}};
+
+/// The lights of a scene with a dark disk.
+struct TestLights {
+  /// Point lights of these intensities, all at one place.
+  explicit TestLights(const std::vector<float>& intensities) {
     SceneDescription scene;
+    for (const float intensity : intensities)
+      scene.lights.push_back({{}, PointLightDescription{{0, 0, 1}, Rgb::Gray(intensity)}});
+    Build(std::move(scene), {});
+  }
+  TestLights(SceneDescription scene, const LightOptions& options) {
+    Build(std::move(scene), options);
+  }
+
+  void Build(SceneDescription scene, const LightOptions& options) {
     scene.textures.push_back(ConstantTexture{Rgb::Gray(0.5f)});
     scene.materials.push_back(DiffuseMaterial{0});
     scene.shapes.emplace_back().geometry = DiskShape{};
-    for (const float intensity : intensities)
-      scene.lights.push_back({{}, PointLightDescription{{0, 0, 1}, Rgb::Gray(intensity)}});
     auto built = Geometry::Build(scene);
     EXPECT_TRUE(built.ok()) << built.status();
     geometry = *std::move(built);
-    auto lights = LightSet::Build(scene, *geometry, DirectorySource("."));
+    auto lights = LightSet::Build(scene, *geometry, DirectorySource("."), options);
     EXPECT_TRUE(lights.ok()) << lights.status();
     set = *std::move(lights);
   }
@@ -43,14 +54,15 @@ struct Choices {
   std::vector<std::vector<double>> rests;  ///< Of each light the first few Choice::u.
 };
 
-Choices Choose(const LightSet& set, uint64_t seed) {
+Choices Choose(const LightSet& set, uint64_t seed, const LightReceiver& receiver = kReceiver) {
   const size_t n = set.lights().size();
   Choices choices = {std::vector<double>(n, 0), std::vector<std::vector<double>>(n)};
   TestRandom random(seed);
   for (int i = 0; i < kSamples; ++i) {
     const Vec2f u = random.Float2();
-    const LightSet::Choice choice = set.Select(u.x, u.y);
-    EXPECT_EQ(choice.probability, set.Probability(choice.light));
+    const LightSet::Choice choice = set.Select(receiver, u.x, u.y);
+    if (choice.probability == 0) continue;
+    EXPECT_EQ(choice.probability, set.Probability(choice.light, receiver));
     EXPECT_TRUE(choice.u >= 0 && choice.u < 1) << choice.u;
     ++choices.counts[choice.light];
     std::vector<double>& rests = choices.rests[choice.light];
@@ -73,11 +85,11 @@ TEST(LightSelection, CountsFollowTheProbability) {
   uint64_t seed = 1;
   for (const std::vector<float>& intensities : cases) {
     SCOPED_TRACE(testing::PrintToString(intensities));
-    const PointLights lights(intensities);
+    const TestLights lights(intensities);
     const Choices choices = Choose(lights.set, seed++);
     std::vector<double> expected;
     for (uint32_t i = 0; i < intensities.size(); ++i)
-      expected.push_back(double{lights.set.Probability(i)} * kSamples);
+      expected.push_back(double{lights.set.Probability(i, kReceiver)} * kSamples);
     EXPECT_NEAR(std::accumulate(expected.begin(), expected.end(), 0.0), kSamples, 1e-6 * kSamples);
     EXPECT_GT(ChiSquareTest(choices.counts, expected).p, level);
     // The control: every other light 3 % more likely than it is against the rest.
@@ -93,7 +105,7 @@ TEST(LightSelection, LeavesTheRestOfTheNumberUniform) {
   std::vector<double> values;
   uint64_t seed = 100;
   for (const std::vector<float>& intensities : cases) {
-    const Choices choices = Choose(PointLights(intensities).set, seed++);
+    const Choices choices = Choose(TestLights(intensities).set, seed++);
     for (const std::vector<double>& rests : choices.rests) {
       if (rests.size() >= 1000) values.push_back(KolmogorovSmirnovUniform(rests));
     }
@@ -111,16 +123,108 @@ TEST(LightSelection, LeavesTheRestOfTheNumberUniform) {
 }
 
 TEST(LightSelection, NeverTakesABlackLightAndNowAndThenAFaintOne) {
-  const PointLights lights({0, 1e8f, 1e-8f, 0});
-  EXPECT_EQ(lights.set.Probability(0), 0);
-  EXPECT_EQ(lights.set.Probability(3), 0);
-  EXPECT_GE(lights.set.Probability(2), 0.004f);
+  const TestLights lights({0, 1e8f, 1e-8f, 0});
+  EXPECT_EQ(lights.set.Probability(0, kReceiver), 0);
+  EXPECT_EQ(lights.set.Probability(3, kReceiver), 0);
+  EXPECT_GE(lights.set.Probability(2, kReceiver), 0.004f);
   constexpr float kLast = 1 - 0x1p-24f;
   for (const Vec2f u : {Vec2f{0, 0}, Vec2f{kLast, kLast}}) {
-    const LightSet::Choice choice = lights.set.Select(u.x, u.y);
+    const LightSet::Choice choice = lights.set.Select(kReceiver, u.x, u.y);
     EXPECT_GT(choice.probability, 0);
     EXPECT_LT(choice.u, 1);
   }
+}
+
+/// Lamps of every kind, thrown about a box of 10 units.
+SceneDescription ManyLamps(int count, uint64_t seed) {
+  TestRandom random(seed);
+  SceneDescription scene;
+  for (int i = 0; i < count; ++i) {
+    const auto coordinate = [&] { return 10 * random.Double() - 5; };
+    const Transform place =
+        Transform::Translate(coordinate(), coordinate(), coordinate()) *
+        Transform::Rotate(360 * random.Double(), coordinate(), coordinate(), coordinate());
+    if (i % 5 == 4) {
+      scene.lights.push_back({{}, PointLightDescription{place.Point({0, 0, 0}), {1, 2, 3}}});
+      continue;
+    }
+    ShapeDescription shape;
+    TriangleMeshShape mesh;
+    mesh.positions = {{-0.1f, -0.1f, 0}, {0.1f, -0.1f, 0}, {0.1f, 0.1f, 0}, {-0.1f, 0.1f, 0}};
+    mesh.triangles = {{0, 1, 2}};
+    if (i % 5 == 1) mesh.triangles.push_back({0, 2, 3});
+    shape.geometry = mesh;
+    if (i % 5 == 2) shape.geometry = SphereShape{.radius = 0.2f, .z_min = -0.2f, .z_max = 0.2f};
+    if (i % 5 == 3) shape.geometry = DiskShape{.radius = 0.3f};
+    shape.to_world = place;
+    const float radiance = std::exp(4 * random.Double() - 2);
+    shape.emission = AreaEmission{Rgb::Gray(radiance), random.Double() < 0.3};
+    scene.shapes.push_back(shape);
+  }
+  return scene;
+}
+
+TEST(LightSelection, TreesChooseAsTheySay) {
+  const std::vector<LightReceiver> receivers = {{{0, 0, 0}, {0, 0, 1}, true},
+                                                {{4, -3, 6}, Normalize(Vec3f{-1, 1, -1}), false},
+                                                {{30, 5, 0}, {1, 0, 0}, true},
+                                                {{-5, -5, -5}, {0, 1, 0}, true}};
+  const std::vector<LightSelection> selections = {LightSelection::kTree, LightSelection::kPower,
+                                                  LightSelection::kUniform};
+  const double level = SidakLevel(kAlpha, static_cast<int>(receivers.size() * selections.size()));
+  const SceneDescription scene = ManyLamps(100, 7);
+  uint64_t seed = 200;
+  for (const LightSelection selection : selections) {
+    const TestLights lights(scene, {.selection = selection});
+    for (const LightReceiver& receiver : receivers) {
+      const Choices choices = Choose(lights.set, seed++, receiver);
+      std::vector<double> counts = choices.counts, expected;
+      for (uint32_t i = 0; i < counts.size(); ++i)
+        expected.push_back(double{lights.set.Probability(i, receiver)} * kSamples);
+      // What is left is where no light was found.
+      counts.push_back(kSamples - std::accumulate(counts.begin(), counts.end(), 0.0));
+      expected.push_back(kSamples - std::accumulate(expected.begin(), expected.end(), 0.0));
+      EXPECT_GT(expected.back(), -1);
+      if (expected.back() < 1) {
+        EXPECT_LT(counts.back(), 20);
+        counts.pop_back();
+        expected.pop_back();
+      }
+      EXPECT_GT(ChiSquareTest(counts, expected).p, level);
+      // The control: chances of another point.
+      if (selection != LightSelection::kTree) continue;
+      for (uint32_t i = 0; i < lights.set.lights().size(); ++i)
+        expected[i] = double{lights.set.Probability(i, kReceiver)} * kSamples;
+      EXPECT_LT(ChiSquareTest(counts, expected).p, 1e-6);
+    }
+  }
+}
+
+TEST(LightSelection, WhateverGivesLightMayBeChosen) {
+  // Every lamp is asked from everywhere: where it sends light to, it has a chance of more than the
+  // even share alone, which is 0.01 / n.
+  const TestLights lights(ManyLamps(300, 11), {});
+  const float even = 0.01f / static_cast<float>(lights.set.lights().size());
+  TestRandom random(12);
+  int lit = 0, dark = 0;
+  for (int i = 0; i < 100000; ++i) {
+    const auto coordinate = [&] { return static_cast<float>(16 * random.Double() - 8); };
+    const LightReceiver receiver = {{coordinate(), coordinate(), coordinate()},
+                                    Normalize(Vec3f{coordinate(), coordinate(), coordinate()}),
+                                    true};
+    const uint32_t light =
+        static_cast<uint32_t>(random.Double() * static_cast<double>(lights.set.lights().size()));
+    const auto sample = lights.set.Sample(light, receiver.p, random.Float2());
+    const float probability = lights.set.Probability(light, receiver);
+    if (sample && Dot(sample->wi, receiver.n) > 0) {
+      ++lit;
+      EXPECT_GT(probability, 1.0001f * even) << light;
+    } else {
+      dark += probability <= 1.0001f * even;
+    }
+  }
+  EXPECT_GT(lit, 20000);
+  EXPECT_GT(dark, 10000);  // And many of those that give none have no more than that.
 }
 
 }  // namespace

@@ -42,6 +42,12 @@ inline std::optional<BsdfSample> Sample(const Bsdf& bsdf, Vec3f wo, float u_lobe
 inline bool IsDelta(const Bsdf& bsdf) {
   return std::visit([](const auto& b) { return IsDelta(b); }, bsdf);
 }
+/// Whether light may pass through the surface.
+inline bool Transmits(const Bsdf& bsdf) {
+  return std::holds_alternative<DielectricBsdf>(bsdf) ||
+         std::holds_alternative<ThinDielectricBsdf>(bsdf) ||
+         std::holds_alternative<DiffuseTransmissionBsdf>(bsdf);
+}
 inline Rgb Albedo(const Bsdf& bsdf, Vec3f wo) {
   return std::visit([&](const auto& b) { return Albedo(b, wo); }, bsdf);
 }

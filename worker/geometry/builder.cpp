@@ -221,7 +221,9 @@ void ShapeBuilder::AddCurved(const ShapeDescription& shape, CurvedShape curved, 
     if (!(area > 0) || !std::isfinite(area)) return;
     Emitter emitter;
     emitter.area = static_cast<float>(area);
-    emitter.shape = OtherEmitter{static_cast<uint32_t>(group->curved.size())};
+    const Box box = BoundsOf(curved);
+    emitter.shape = OtherEmitter{static_cast<uint32_t>(group->curved.size()), ToFloat(box.min),
+                                 ToFloat(box.max)};
     const auto* sphere = std::get_if<SphereSurface>(&curved.surface);
     const std::optional<double> scale = curved.placement.UniformScale();
     if (sphere && sphere->IsFull() && scale) {

@@ -57,6 +57,7 @@ struct SphereEmitter {  ///< A full sphere under a similarity transform.
 /// Any other shape: sampled by area through Geometry::SampleEmitter.
 struct OtherEmitter {
   uint32_t shape = 0;  ///< Known to Geometry alone.
+  Vec3f min, max;      ///< A box that holds it.
 };
 struct Emitter {
   std::variant<TriangleEmitter, SphereEmitter, OtherEmitter> shape;

@@ -163,6 +163,11 @@ class PathTracer {
     observer_.OnEmission(point.light, radiance, weight);
   }
 
+  static LightReceiver ReceiverAt(const PathVertex& vertex) {
+    const Vec3f n = vertex.frame.z;
+    return {vertex.point.p, vertex.wo.z < 0 ? -n : n, !Transmits(*vertex.bsdf)};
+  }
+
   void MakeBsdf(int depth, PathVertex& vertex) {
     vertex.frame = path_detail::ShadingFrame(vertex.point, vertex.wo_world);
     vertex.wo = vertex.frame.ToLocal(vertex.wo_world);
@@ -187,8 +192,9 @@ class PathTracer {
       return;
     DirectSample direct;
     Vec2f u = Get2D(depth, kPairLight);
-    direct.choice =
-        lights.Select(u.x, lights.SelectNeedsLowBits() ? Get2D(depth, kPairSelect).x : 0);
+    const float u_low = lights.SelectNeedsLowBits() ? Get2D(depth, kPairSelect).x : 0;
+    direct.choice = lights.Select(ReceiverAt(vertex), u.x, u_low);
+    if (!(direct.choice.probability > 0)) return;
     u.x = direct.choice.u;
     const std::optional<LightSample> light = lights.Sample(direct.choice.light, vertex.point.p, u);
     if (!light) return;
@@ -222,7 +228,7 @@ class PathTracer {
     specular_ = sample->delta;
     bsdf_pdf_ = sample->pdf;
     if (sample->transmission) eta_scale_ *= sample->eta * sample->eta;
-    previous_ = vertex.point.p;
+    previous_ = ReceiverAt(vertex);
     *ray = {OffsetRayOrigin(vertex.point, wi), wi};
     return true;
   }
@@ -248,10 +254,10 @@ class PathTracer {
   PathSample result_;
   Rgb beta_ = {1, 1, 1};  ///< Throughput so far.
   float eta_scale_ = 1;
-  bool specular_ = true;  ///< Light sampling could not have found what the ray meets next.
-  float bsdf_pdf_ = 0;    ///< Of the ray's direction.
-  Vec3f previous_;        ///< The vertex the ray left.
-  Bsdf bsdf_;             ///< Of the vertex, where it varies over the surface.
+  bool specular_ = true;    ///< Light sampling could not have found what the ray meets next.
+  float bsdf_pdf_ = 0;      ///< Of the ray's direction.
+  LightReceiver previous_;  ///< The vertex the ray left.
+  Bsdf bsdf_;               ///< Of the vertex, where it varies over the surface.
 };
 
 }  // namespace strata

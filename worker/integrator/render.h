@@ -10,6 +10,7 @@
 #include "common/status.h"
 #include "common/unit.h"
 #include "worker/integrator/direct_strategy.h"
+#include "worker/light/light_options.h"
 #include "worker/scene/file_source.h"
 
 namespace strata {
@@ -19,7 +20,8 @@ class Scene;
 
 /// Reads the bundle's scene from `source` and builds it.
 absl::StatusOr<std::shared_ptr<const Scene>> LoadScene(const FileSource& source,
-                                                       const std::string& scene_path);
+                                                       const std::string& scene_path,
+                                                       const LightOptions& options = {});
 
 /// Threads that share the pixels of one unit at a time. Not thread-safe itself.
 class RenderPool {

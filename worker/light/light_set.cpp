@@ -1,48 +1,21 @@
 #include "worker/light/light_set.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
-#include <numeric>
 #include <utility>
-
-#include "worker/math/vec3d.h"
 
 namespace strata {
 namespace {
 
 constexpr double kPiDouble = std::numbers::pi;
 
-Light SurfaceLight(const Emitter& emitter, const Geometry& geometry) {
-  if (const auto* triangle = std::get_if<TriangleEmitter>(&emitter.shape)) {
-    const Vec3f bound = Abs(triangle->p0) + Abs(triangle->p1) + Abs(triangle->p2);
-    constexpr float kRounding = 6 * 0x1p-24f;  // gamma(6) of PBRT 6.8.1.
-    return TriangleLight{triangle->p0,
-                         triangle->p1 - triangle->p0,
-                         triangle->p2 - triangle->p0,
-                         triangle->ng,
-                         bound * kRounding,
-                         1 / emitter.area,
-                         emitter.radiance,
-                         emitter.two_sided};
-  }
-  if (const auto* sphere = std::get_if<SphereEmitter>(&emitter.shape))
-    return SphereLight{sphere->center, sphere->radius, sphere->inward, emitter.radiance,
-                       emitter.two_sided};
-  return ShapeLight{&geometry, std::get<OtherEmitter>(emitter.shape), emitter.radiance,
-                    emitter.two_sided};
-}
-
-double Power(const Emitter& emitter) {
-  return kPiDouble * emitter.area * Luminance(emitter.radiance) * (emitter.two_sided ? 2 : 1);
-}
-
 /// The power that light from afar brings to a ball around the scene.
 double PowerFromAfar(double irradiance_sum, double scene_radius) {
   return kPiDouble * scene_radius * scene_radius * irradiance_sum;
 }
 
-/// The part of the choices that does not go by power. A lamp may be hidden by a wall from what
-/// faint ones light, whose noise then stays bounded (defensive sampling: Hesterberg 1995).
+/// The part of the choices between groups that does not go by power, as in LightTree.
 constexpr double kEvenShare = 0.01;
 
 double SceneRadius(const Geometry& geometry) {
@@ -55,24 +28,28 @@ double SceneRadius(const Geometry& geometry) {
 }  // namespace
 
 absl::StatusOr<LightSet> LightSet::Build(const SceneDescription& scene, const Geometry& geometry,
-                                         const FileSource& source) {
+                                         const FileSource& source, const LightOptions& options) {
   LightSet set;
-  std::vector<double> powers;
-  for (const Emitter& emitter : geometry.emitters()) {
-    set.lights_.push_back(SurfaceLight(emitter, geometry));
-    powers.push_back(Power(emitter));
+  SurfaceLights surfaces = MakeSurfaceLights(geometry, options);
+  set.light_of_surface_ = std::move(surfaces.light_of_surface);
+  std::vector<PlacedLight>& placed = surfaces.lights;
+  for (const LightDescription& description : scene.lights) {
+    if (const auto* point = std::get_if<PointLightDescription>(&description.light))
+      placed.push_back(MakePointLight(*point));
   }
+  for (const PlacedLight& light : placed) set.lights_.push_back(light.light);
+  set.BuildTree(placed, options.selection);
+
   const double radius = SceneRadius(geometry);
   for (const LightDescription& description : scene.lights) {
-    if (const auto* point = std::get_if<PointLightDescription>(&description.light)) {
-      set.lights_.push_back(PointLight{ToFloat(point->position), point->intensity});
-      powers.push_back(4 * kPiDouble * Luminance(point->intensity));
-    } else if (const auto* distant = std::get_if<DistantLightDescription>(&description.light)) {
+    if (std::holds_alternative<PointLightDescription>(description.light)) continue;
+    const uint32_t index = static_cast<uint32_t>(set.lights_.size());
+    if (const auto* distant = std::get_if<DistantLightDescription>(&description.light)) {
       set.lights_.push_back(DistantLight{distant->direction, distant->irradiance});
-      powers.push_back(PowerFromAfar(Luminance(distant->irradiance), radius));
+      set.AddFromAfar(PowerFromAfar(Luminance(distant->irradiance), radius));
     } else {
       Rgb mean;
-      set.environments_.push_back(static_cast<uint32_t>(set.lights_.size()));
+      set.environments_.push_back(index);
       if (const auto* image = std::get_if<ImageInfiniteLightDescription>(&description.light)) {
         auto loaded = EnvironmentImage::Load(*image, source);
         if (!loaded.ok()) return Annotate(loaded.status(), description.where.ToString());
@@ -83,33 +60,64 @@ absl::StatusOr<LightSet> LightSet::Build(const SceneDescription& scene, const Ge
         mean = std::get<ConstantInfiniteLightDescription>(description.light).radiance;
         set.lights_.push_back(ConstantEnvironment{mean});
       }
-      powers.push_back(PowerFromAfar(4 * kPiDouble * Luminance(mean), radius));
+      set.AddFromAfar(PowerFromAfar(4 * kPiDouble * Luminance(mean), radius));
     }
   }
-  set.FindProbabilities(powers);
+  set.FindProbabilities();
   return set;
 }
 
-void LightSet::FindProbabilities(const std::vector<double>& powers) {
-  const double total = std::accumulate(powers.begin(), powers.end(), 0.0);
-  // Where no power is known (all black, or beyond all numbers) every light is as good as another.
-  const bool by_power = total > 0 && std::isfinite(total);
-  const auto lit = std::count_if(powers.begin(), powers.end(), [](double p) { return p > 0; });
-  const double even = 1.0 / static_cast<double>(by_power ? lit : powers.size());
-  double sum = 0;
-  for (double power : powers) {
-    const double before = sum;
-    if (!by_power)
-      sum += even;
-    else if (power > 0)
-      sum += (1 - kEvenShare) * power / total + kEvenShare * even;
-    cdf_.push_back(sum);
-    probability_.push_back(static_cast<float>(sum - before));
+void LightSet::AddFromAfar(double power) {
+  const uint32_t light = static_cast<uint32_t>(places_.size());
+  places_.push_back({static_cast<uint32_t>(groups_.size())});
+  groups_.push_back({light, power, power > 0 ? 1u : 0u});
+}
+
+void LightSet::BuildTree(const std::vector<PlacedLight>& placed, LightSelection selection) {
+  places_.resize(placed.size());
+  double total = 0, power = 0;
+  for (const PlacedLight& light : placed) {
+    total += light.intensity;
+    power += light.power;
   }
-  // Rounding must not leave a gap behind the last light that may be chosen.
-  for (size_t i = cdf_.size(); i-- > 0;) {
-    cdf_[i] = 1;
-    if (probability_[i] > 0) break;
+  // Where no intensity is known (all black, or beyond all numbers) all are alike.
+  const bool known = total > 0 && std::isfinite(total);
+  constexpr double kFaintest = 1e-30;
+  std::vector<LightBounds> bounds;
+  for (uint32_t i = 0; i < placed.size(); ++i) {
+    if (known && !(placed[i].intensity > 0)) continue;
+    places_[i] = {0, static_cast<uint32_t>(bounds.size())};
+    tree_lights_.push_back(i);
+    LightBounds& b = bounds.emplace_back(placed[i].bounds);
+    b.intensity =
+        known ? static_cast<float>(std::max(placed[i].intensity / total, kFaintest)) : 1.0f;
+  }
+  if (bounds.empty()) return;
+  groups_.push_back({Group::kTree, power, known ? static_cast<uint32_t>(bounds.size()) : 0u});
+  tree_ = LightTree::Build(std::move(bounds), known ? selection : LightSelection::kUniform);
+}
+
+void LightSet::FindProbabilities() {
+  double total = 0, lit = 0;
+  for (const Group& group : groups_) {
+    total += group.power;
+    lit += group.lit;
+  }
+  const bool known = total > 0 && std::isfinite(total);
+  double sum = 0;
+  for (Group& group : groups_) {
+    const double before = sum;
+    if (!known)
+      sum += 1.0 / static_cast<double>(groups_.size());
+    else if (group.power > 0)
+      sum += (1 - kEvenShare) * group.power / total + kEvenShare * group.lit / lit;
+    group.end = sum;
+    group.probability = static_cast<float>(sum - before);
+  }
+  // Rounding must not leave a gap behind the last group that may be chosen.
+  for (size_t i = groups_.size(); i-- > 0;) {
+    groups_[i].end = 1;
+    if (groups_[i].probability > 0) break;
   }
 }
 

@@ -3,57 +3,44 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <variant>
 #include <vector>
 
 #include "common/status.h"
 #include "worker/geometry/geometry.h"
-#include "worker/light/delta_lights.h"
-#include "worker/light/environment.h"
-#include "worker/light/shape_light.h"
-#include "worker/light/sphere_light.h"
-#include "worker/light/triangle_light.h"
+#include "worker/light/light.h"
+#include "worker/light/light_tree.h"
+#include "worker/light/placed_light.h"
 #include "worker/scene/description.h"
 #include "worker/scene/file_source.h"
 
-// All that emits. Each kind is a plain struct with free inline functions in a header of its own:
-//
-//   std::optional<LightSample> SampleLi(const X&, Vec3f from, Vec2f u)
-//   float PdfLi(const X&, Vec3f from, const EmissionHit&)    emissive surfaces
-//   float PdfLi(const X&, Vec3f direction)                   environments
-//   Rgb Le(...)                                              what a ray that meets it sees
-
 namespace strata {
 
-using Light = std::variant<TriangleLight, SphereLight, ShapeLight, ConstantEnvironment,
-                           ImageEnvironment, PointLight, DistantLight>;
-
-/// The lights of a scene and how one of them is chosen: by its power, and now and then
-/// any that shines. Immutable.
+/// The lights of a scene and how one of them is chosen: those at a place by a LightTree, against
+/// the others by power, and now and then any that shines. Immutable.
 class LightSet {
  public:
   /// `geometry` must outlive the set. Errors name the light's place in the scene file.
   static absl::StatusOr<LightSet> Build(const SceneDescription& scene, const Geometry& geometry,
-                                        const FileSource& source);
+                                        const FileSource& source, const LightOptions& options = {});
 
   bool empty() const { return lights_.empty(); }
   const std::vector<Light>& lights() const { return lights_; }
 
   struct Choice {
     uint32_t light = 0;
-    float probability = 0;
-    float u = 0;  ///< What is left of the random number, again uniform in [0, 1).
+    float probability = 0;  ///< 0: no light that was chosen among can reach the point.
+    float u = 0;            ///< What is left of the random number, again uniform in [0, 1).
   };
   /// Chooses by the 48-bit number u + 2^-24 u_low, both multiples of 2^-24 in [0, 1), so that
   /// enough bits are left even behind a faint light. The set must not be empty.
-  Choice Select(float u, float u_low) const;
+  Choice Select(const LightReceiver& receiver, float u, float u_low) const;
   bool SelectNeedsLowBits() const { return lights_.size() > 1; }
-  float Probability(uint32_t light) const { return probability_[light]; }
+  float Probability(uint32_t light, const LightReceiver& receiver) const;
 
-  /// Radiance that leaves emissive surface `light` (SurfacePoint::light) towards `wo`.
-  Rgb SurfaceLe(uint32_t light, Vec3f ng, Vec3f wo) const;
-  /// Density per solid angle with which Select and SampleLi find a point of surface `light`.
-  float SurfacePdf(uint32_t light, Vec3f from, const EmissionHit& hit) const;
+  /// Radiance that leaves the emissive surface `surface` (SurfacePoint::light) towards `wo`.
+  Rgb SurfaceLe(uint32_t surface, Vec3f ng, Vec3f wo) const;
+  /// Density per solid angle with which Select and SampleLi find a point of `surface`.
+  float SurfacePdf(uint32_t surface, const LightReceiver& receiver, const EmissionHit& hit) const;
   std::optional<LightSample> Sample(uint32_t light, Vec3f from, Vec2f u) const;
 
   /// Indices of the lights that a ray which leaves the scene sees.
@@ -62,40 +49,87 @@ class LightSet {
   float EnvironmentPdf(uint32_t light, Vec3f direction) const;
 
  private:
-  void FindProbabilities(const std::vector<double>& powers);
+  /// What the first choice is among: a light from afar, or all those at a place.
+  struct Group {
+    static constexpr uint32_t kTree = ~0u;
+    uint32_t light = 0;  ///< Or kTree.
+    double power = 0;
+    uint32_t lit = 0;  ///< How many of its lights are not black.
+    double end = 0;    ///< Upper end in [0, 1]; the last is 1.
+    float probability = 0;
+  };
+  /// Where a light is chosen.
+  struct Place {
+    static constexpr uint32_t kNowhere = ~0u;  ///< It is black.
+    uint32_t group = kNowhere;
+    uint32_t index = 0;  ///< In the tree, if the group is that.
+  };
 
-  std::vector<Light> lights_;  ///< Emissive surfaces first, by SurfacePoint::light.
+  /// The next light.
+  void AddFromAfar(double power);
+  /// `placed` are the first lights.
+  void BuildTree(const std::vector<PlacedLight>& placed, LightSelection selection);
+  void FindProbabilities();
+
+  std::vector<Light> lights_;  ///< Emissive surfaces first.
+  std::vector<uint32_t> light_of_surface_;
   std::vector<uint32_t> environments_;
   std::vector<std::unique_ptr<EnvironmentImage>> images_;
-  std::vector<double> cdf_;  ///< Upper ends; the last is 1.
-  std::vector<float> probability_;
+  std::vector<Group> groups_;
+  std::vector<Place> places_;  ///< Of each light.
+  LightTree tree_;
+  std::vector<uint32_t> tree_lights_;  ///< By index in the tree.
 };
 
-inline LightSet::Choice LightSet::Select(float u, float u_low) const {
+inline LightSet::Choice LightSet::Select(const LightReceiver& receiver, float u,
+                                         float u_low) const {
   if (lights_.size() == 1) return {0, 1, u};
-  const double x = u + 0x1p-24 * static_cast<double>(u_low);
-  const uint32_t light =
-      static_cast<uint32_t>(std::upper_bound(cdf_.begin(), cdf_.end() - 1, x) - cdf_.begin());
-  const double low = light == 0 ? 0 : cdf_[light - 1];
-  const double rest = (x - low) / (cdf_[light] - low);
+  double x = u + 0x1p-24 * static_cast<double>(u_low);
+  const Group* group = groups_.data();
+  double low = 0;
+  while (x >= group->end && group != &groups_.back()) low = (group++)->end;
+  x = (x - low) / (group->end - low);
+  Choice choice = {group->light, group->probability};
+  if (group->light == Group::kTree) {
+    const LightTree::Choice leaf = tree_.Select(receiver, x);
+    choice.light = tree_lights_[leaf.index];
+    choice.probability *= leaf.probability;
+    x = leaf.u;
+  }
   constexpr float kBelowOne = 0x1.fffffep-1f;
-  return {light, probability_[light], std::min(static_cast<float>(rest), kBelowOne)};
+  choice.u = std::min(static_cast<float>(x), kBelowOne);
+  return choice;
 }
 
-inline Rgb LightSet::SurfaceLe(uint32_t light, Vec3f ng, Vec3f wo) const {
-  const Light& l = lights_[light];
+inline float LightSet::Probability(uint32_t light, const LightReceiver& receiver) const {
+  if (lights_.size() == 1) return 1;
+  const Place& place = places_[light];
+  if (place.group == Place::kNowhere) return 0;
+  const Group& group = groups_[place.group];
+  return group.light == Group::kTree ? group.probability * tree_.Probability(place.index, receiver)
+                                     : group.probability;
+}
+
+inline Rgb LightSet::SurfaceLe(uint32_t surface, Vec3f ng, Vec3f wo) const {
+  const Light& l = lights_[light_of_surface_[surface]];
   if (const auto* triangle = std::get_if<TriangleLight>(&l)) return Le(*triangle, ng, wo);
+  if (const auto* quad = std::get_if<QuadLight>(&l)) return Le(*quad, ng, wo);
   if (const auto* sphere = std::get_if<SphereLight>(&l)) return Le(*sphere, ng, wo);
   return Le(*std::get_if<ShapeLight>(&l), ng, wo);
 }
 
-inline float LightSet::SurfacePdf(uint32_t light, Vec3f from, const EmissionHit& hit) const {
+inline float LightSet::SurfacePdf(uint32_t surface, const LightReceiver& receiver,
+                                  const EmissionHit& hit) const {
+  const uint32_t light = light_of_surface_[surface];
   const Light& l = lights_[light];
+  const float probability = Probability(light, receiver);
   if (const auto* triangle = std::get_if<TriangleLight>(&l))
-    return probability_[light] * PdfLi(*triangle, from, hit);
+    return probability * PdfLi(*triangle, receiver.p, hit);
+  if (const auto* quad = std::get_if<QuadLight>(&l))
+    return probability * PdfLi(*quad, receiver.p, hit);
   if (const auto* sphere = std::get_if<SphereLight>(&l))
-    return probability_[light] * PdfLi(*sphere, from, hit);
-  return probability_[light] * PdfLi(*std::get_if<ShapeLight>(&l), from, hit);
+    return probability * PdfLi(*sphere, receiver.p, hit);
+  return probability * PdfLi(*std::get_if<ShapeLight>(&l), receiver.p, hit);
 }
 
 inline std::optional<LightSample> LightSet::Sample(uint32_t light, Vec3f from, Vec2f u) const {
@@ -110,9 +144,10 @@ inline Rgb LightSet::EnvironmentLe(uint32_t light, Vec3f direction) const {
 
 inline float LightSet::EnvironmentPdf(uint32_t light, Vec3f direction) const {
   const Light& l = lights_[light];
+  const float probability = Probability(light, {});
   if (const auto* constant = std::get_if<ConstantEnvironment>(&l))
-    return probability_[light] * PdfLi(*constant, direction);
-  return probability_[light] * PdfLi(*std::get_if<ImageEnvironment>(&l), direction);
+    return probability * PdfLi(*constant, direction);
+  return probability * PdfLi(*std::get_if<ImageEnvironment>(&l), direction);
 }
 
 }  // namespace strata

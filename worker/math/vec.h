@@ -32,6 +32,12 @@ inline float LengthSquared(Vec3f a) { return Dot(a, a); }
 inline float Length(Vec3f a) { return std::sqrt(Dot(a, a)); }
 inline Vec3f Normalize(Vec3f a) { return a / Length(a); }
 inline Vec3f Abs(Vec3f a) { return {std::abs(a.x), std::abs(a.y), std::abs(a.z)}; }
+inline Vec3f Min(Vec3f a, Vec3f b) {
+  return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)};
+}
+inline Vec3f Max(Vec3f a, Vec3f b) {
+  return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)};
+}
 inline float MaxComponent(Vec3f a) { return std::max(a.x, std::max(a.y, a.z)); }
 inline bool IsFinite(Vec3f a) {
   return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);

@@ -9,7 +9,8 @@
 namespace strata {
 
 absl::StatusOr<std::shared_ptr<const Scene>> Scene::Build(SceneDescription description,
-                                                          const FileSource& source) {
+                                                          const FileSource& source,
+                                                          const LightOptions& options) {
   std::shared_ptr<Scene> scene(new Scene());
   scene->origin_ = Recentre(description);
   scene->camera_ = description.camera;
@@ -21,15 +22,17 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Build(SceneDescription descr
   STRATA_ASSIGN_OR_RETURN(scene->textures_, TextureSet::Load(description.textures, source));
   STRATA_ASSIGN_OR_RETURN(scene->materials_,
                           MaterialSet::Build(std::move(description.materials), *scene->textures_));
-  STRATA_ASSIGN_OR_RETURN(LightSet lights, LightSet::Build(description, *scene->geometry_, source));
+  STRATA_ASSIGN_OR_RETURN(LightSet lights,
+                          LightSet::Build(description, *scene->geometry_, source, options));
   scene->lights_ = std::make_unique<LightSet>(std::move(lights));
   return scene;
 }
 
 absl::StatusOr<std::shared_ptr<const Scene>> LoadScene(const FileSource& source,
-                                                       const std::string& scene_path) {
+                                                       const std::string& scene_path,
+                                                       const LightOptions& options) {
   STRATA_ASSIGN_OR_RETURN(PbrtScene pbrt, ReadPbrt(source, scene_path));
-  return Scene::Build(std::move(pbrt.scene), source);
+  return Scene::Build(std::move(pbrt.scene), source, options);
 }
 
 }  // namespace strata

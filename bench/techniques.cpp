@@ -1,0 +1,148 @@
+// What each technique of light sampling is worth: variance, time and efficiency of whole frames
+// with it and without it.
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "worker/integrator/render.h"
+#include "worker/scene/scene.h"
+
+namespace strata {
+namespace {
+
+struct Options {
+  int size = 128;
+  uint32_t spp = 64;
+  int seeds = 8;
+  int threads = 2;
+};
+
+struct Technique {
+  const char* name;
+  LightOptions lights;
+};
+
+const std::vector<Technique>& Techniques() {
+  static const std::vector<Technique> techniques = {
+      {"as shipped", {}},
+      {"lights chosen by power", {.selection = LightSelection::kPower}},
+      {"lights chosen uniformly", {.selection = LightSelection::kUniform}},
+      {"near rectangles by area", {.solid_angle = false}},
+      {"quads as two triangles", {.quads = false}},
+  };
+  return techniques;
+}
+
+/// Mean and variance over the seeds of the channels of one frame.
+class Frames {
+ public:
+  void Add(const Partial& partial) {
+    const size_t pixels = partial.samples.size();
+    mean_.resize(pixels * 3);
+    squares_.resize(pixels * 3);
+    ++count_;
+    for (size_t i = 0; i < mean_.size(); ++i) {
+      const double* values = &partial.values[i / 3 * partial.layout.Doubles()];
+      double x = 0;
+      for (int r = 0; r < kReplicates; ++r)
+        x += values[partial.layout.Mean(r, static_cast<int>(i % 3))] / kReplicates;
+      const double deviation = x - mean_[i];
+      mean_[i] += deviation / count_;
+      squares_[i] += deviation * (x - mean_[i]);
+    }
+  }
+  /// Mean over all channels of variance / (mean^2 + 0.01).
+  double RelativeVariance() const {
+    double sum = 0;
+    for (size_t i = 0; i < mean_.size(); ++i)
+      sum += squares_[i] / (count_ - 1) / (mean_[i] * mean_[i] + 0.01);
+    return sum / static_cast<double>(mean_.size());
+  }
+
+ private:
+  double count_ = 0;
+  std::vector<double> mean_, squares_;
+};
+
+struct Row {
+  double relmse = 0, seconds = 0;
+};
+
+absl::StatusOr<std::vector<Row>> Measure(const std::string& path, const Options& options) {
+  const std::filesystem::path file = std::filesystem::absolute(path);
+  const DirectorySource source(file.parent_path());
+  RenderPool pool(options.threads);
+  std::vector<std::shared_ptr<const Scene>> scenes;
+  for (const Technique& technique : Techniques()) {
+    STRATA_ASSIGN_OR_RETURN(const auto scene,
+                            LoadScene(source, file.filename().string(), technique.lights));
+    scenes.push_back(scene);
+  }
+  JobSpec spec;
+  spec.bundle.scene = file.filename().string();
+  spec.bundle.files = {{spec.bundle.scene, {}, 0}};
+  spec.width = spec.height = options.size;
+  spec.crop = {0, 0, options.size, options.size};
+  spec.spp = options.spp;
+  spec.max_depth = scenes[0]->defaults().max_depth;
+  std::vector<Frames> frames(scenes.size());
+  std::vector<std::vector<double>> seconds(scenes.size());
+  for (int seed = 1; seed <= options.seeds; ++seed) {
+    for (size_t i = 0; i < scenes.size(); ++i) {  // Side by side, so that noise is shared.
+      spec.seed = static_cast<uint64_t>(seed);
+      STRATA_ASSIGN_OR_RETURN(const auto renderer, Renderer::Create(scenes[i], spec));
+      const auto start = std::chrono::steady_clock::now();
+      STRATA_ASSIGN_OR_RETURN(
+          const Partial partial,
+          renderer->Render({{}, spec.crop, {{0, options.spp / kReplicates}}}, pool));
+      seconds[i].push_back(
+          std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+      frames[i].Add(partial);
+    }
+  }
+  std::vector<Row> rows;
+  for (size_t i = 0; i < scenes.size(); ++i) {
+    std::sort(seconds[i].begin(), seconds[i].end());
+    rows.push_back({frames[i].RelativeVariance(), seconds[i][seconds[i].size() / 2]});
+  }
+  return rows;
+}
+
+int Main(int argc, char** argv) {
+  CLI::App app("Techniques turned off one by one: variance, time, efficiency");
+  std::vector<std::string> scenes;
+  Options options;
+  app.add_option("scenes", scenes, "pbrt files")->required();
+  app.add_option("--size", options.size, "edge of the square frame in pixels");
+  app.add_option("--spp", options.spp, "samples per pixel, a multiple of 8");
+  app.add_option("--seeds", options.seeds)->check(CLI::Range(2, 1 << 20));
+  app.add_option("--threads", options.threads);
+  CLI11_PARSE(app, argc, argv);
+  for (const std::string& path : scenes) {
+    const auto rows = Measure(path, options);
+    if (!rows.ok()) {
+      std::fprintf(stderr, "%s\n", rows.status().ToString().c_str());
+      return 2;
+    }
+    std::printf("%s\n  %-28s %12s %10s %12s\n", path.c_str(), "", "relMSE", "seconds",
+                "efficiency");
+    const Row& shipped = rows->front();
+    for (size_t i = 0; i < rows->size(); ++i) {
+      const Row& row = (*rows)[i];
+      std::printf("  %-28s %12.5g %10.4f %12.3f\n", Techniques()[i].name, row.relmse, row.seconds,
+                  shipped.relmse * shipped.seconds / (row.relmse * row.seconds));
+    }
+    std::fflush(stdout);
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace strata
+
+int main(int argc, char** argv) { return strata::Main(argc, argv); }

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <cstdint>
+
+namespace strata {
+
+/// How one light of many is chosen. All but the tree are there to be compared with.
+enum class LightSelection : uint8_t {
+  kTree,    ///< By what each may bring to the point.
+  kPower,   ///< By its intensity alone.
+  kUniform  ///< All alike.
+};
+
+/// What benches turn off to show its worth.
+struct LightOptions {
+  LightSelection selection = LightSelection::kTree;
+  bool quads = true;        ///< Two triangles that make a parallelogram are one light.
+  bool solid_angle = true;  ///< Near rectangles are sampled by solid angle.
+};
+
+}  // namespace strata

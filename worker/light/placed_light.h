@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "worker/geometry/geometry.h"
+#include "worker/light/light.h"
+#include "worker/light/light_bounds.h"
+#include "worker/light/light_options.h"
+
+namespace strata {
+
+/// A light at a place, with what choosing among them looks at.
+struct PlacedLight {
+  Light light;
+  LightBounds bounds;    ///< Without an intensity.
+  double intensity = 0;  ///< Luminance along a normal, per solid angle.
+  double power = 0;
+};
+
+/// The emissive surfaces of a scene as lights.
+struct SurfaceLights {
+  std::vector<PlacedLight> lights;
+  std::vector<uint32_t> light_of_surface;  ///< By SurfacePoint::light.
+};
+
+/// `geometry` must outlive the lights.
+SurfaceLights MakeSurfaceLights(const Geometry& geometry, const LightOptions& options);
+PlacedLight MakePointLight(const PointLightDescription& description);
+
+}  // namespace strata
