@@ -6,7 +6,9 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
+#include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "worker/integrator/render.h"
@@ -36,6 +38,58 @@ const std::vector<Technique>& Techniques() {
       {"quads as two triangles", {.quads = false}},
   };
   return techniques;
+}
+
+/// A hall of 200 x 200 x 5 metres, with shelves, under 10,000 small lamps of many strengths that
+/// shine down and a little aside. The camera looks at the floor: lamps in view are noise that no
+/// way of choosing among them removes.
+SceneDescription ManyLights() {
+  std::mt19937 random(1);
+  const auto uniform = [&](float low, float high) {  // The same numbers with any library.
+    return low + (high - low) * static_cast<float>(random() >> 8) * 0x1p-24f;
+  };
+  SceneDescription scene;
+  scene.textures.push_back(ConstantTexture{Rgb::Gray(0.5f)});
+  scene.materials.push_back(DiffuseMaterial{0});
+  const auto add_box = [&](Vec3f low, Vec3f high) {
+    TriangleMeshShape box;
+    for (int i = 0; i < 8; ++i)
+      box.positions.push_back(
+          {i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z});
+    box.triangles = {{0, 1, 3}, {0, 3, 2}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
+                     {2, 3, 7}, {2, 7, 6}, {0, 2, 6}, {0, 6, 4}, {1, 3, 7}, {1, 7, 5}};
+    scene.shapes.emplace_back().geometry = box;
+  };
+  add_box({-100, -100, 0}, {100, 100, 5});
+  for (int i = 0; i < 2000; ++i) {
+    const Vec3f at = {uniform(-99, 99), uniform(-99, 99), 0};
+    add_box(at, at + Vec3f{uniform(0.2f, 2), uniform(0.2f, 2), uniform(0.2f, 3)});
+  }
+  for (int i = 0; i < 10000; ++i) {
+    TriangleMeshShape lamp;
+    lamp.positions = {{-0.05f, -0.05f, 0}, {0, 0.05f, 0}, {0.05f, -0.05f, 0}};
+    lamp.triangles = {{0, 1, 2}};
+    ShapeDescription shape;
+    shape.geometry = lamp;
+    const float x = uniform(-99, 99), y = uniform(-99, 99), z = uniform(4, 4.9f);
+    shape.to_world = Transform::Translate(x, y, z) *
+                     Transform::Rotate(uniform(-40, 40), uniform(-1, 1), uniform(-1, 1), 0);
+    const float strength = uniform(0, 1);
+    shape.emission = AreaEmission{Rgb{uniform(0.5f, 1), uniform(0.5f, 1), uniform(0.5f, 1)} *
+                                  (2000 * strength * strength)};
+    scene.shapes.push_back(std::move(shape));
+  }
+  scene.camera.camera_to_world =
+      *Transform::LookAt({-9, -8, 3.9}, {-3, -3, 0}, {0, 0, 1})->Inverse();
+  scene.camera.fov = 60;
+  return scene;
+}
+
+absl::StatusOr<std::shared_ptr<const Scene>> LoadWith(const std::string& path,
+                                                      const LightOptions& lights) {
+  if (path == "many-lights") return Scene::Build(ManyLights(), DirectorySource("."), lights);
+  const std::filesystem::path file = std::filesystem::absolute(path);
+  return LoadScene(DirectorySource(file.parent_path()), file.filename().string(), lights);
 }
 
 /// Mean and variance over the seeds of the channels of one frame.
@@ -74,17 +128,14 @@ struct Row {
 };
 
 absl::StatusOr<std::vector<Row>> Measure(const std::string& path, const Options& options) {
-  const std::filesystem::path file = std::filesystem::absolute(path);
-  const DirectorySource source(file.parent_path());
   RenderPool pool(options.threads);
   std::vector<std::shared_ptr<const Scene>> scenes;
   for (const Technique& technique : Techniques()) {
-    STRATA_ASSIGN_OR_RETURN(const auto scene,
-                            LoadScene(source, file.filename().string(), technique.lights));
+    STRATA_ASSIGN_OR_RETURN(const auto scene, LoadWith(path, technique.lights));
     scenes.push_back(scene);
   }
   JobSpec spec;
-  spec.bundle.scene = file.filename().string();
+  spec.bundle.scene = "scene.pbrt";
   spec.bundle.files = {{spec.bundle.scene, {}, 0}};
   spec.width = spec.height = options.size;
   spec.crop = {0, 0, options.size, options.size};
@@ -117,7 +168,7 @@ int Main(int argc, char** argv) {
   CLI::App app("Techniques turned off one by one: variance, time, efficiency");
   std::vector<std::string> scenes;
   Options options;
-  app.add_option("scenes", scenes, "pbrt files")->required();
+  app.add_option("scenes", scenes, "pbrt files, or \"many-lights\": 10,000 of them")->required();
   app.add_option("--size", options.size, "edge of the square frame in pixels");
   app.add_option("--spp", options.spp, "samples per pixel, a multiple of 8");
   app.add_option("--seeds", options.seeds)->check(CLI::Range(2, 1 << 20));

@@ -18,8 +18,6 @@ constexpr double kHalfTurn = std::numbers::pi;
 /// Hesterberg 1995).
 constexpr double kEvenChoices = 0.01;
 
-/// Below this level groups are halved, whatever it costs, so that trails fit their words.
-constexpr int kMaxCostDepth = 32;
 constexpr int kBuckets = 12;
 
 double AngleOf(float cosine) { return Acos(std::clamp(double{cosine}, -1.0, 1.0)); }
@@ -43,10 +41,15 @@ struct Bucket {
   LightBounds bounds;
   size_t lights = 0;
 
-  void Add(const LightBounds& b) { bounds = lights++ == 0 ? b : Union(bounds, b); }
+  void Add(const LightBounds& b, size_t count) {
+    if (count == 0) return;
+    bounds = lights == 0 ? b : Union(bounds, b);
+    lights += count;
+  }
+  void Add(const Bucket& other) { Add(other.bounds, other.lights); }
 };
 
-struct Split {
+struct BestSplit {
   int axis = -1;
   int bucket = 0;  ///< The last one of the first group.
   double cost = std::numeric_limits<double>::infinity();
@@ -55,6 +58,80 @@ struct Split {
 int BucketOf(float center, float low, float extent) {
   return std::clamp(static_cast<int>(kBuckets * ((center - low) / extent)), 0, kBuckets - 1);
 }
+
+/// A part of the order in which lights are sorted into the tree.
+struct Range {
+  size_t begin = 0, end = 0;
+  size_t Count() const { return end - begin; }
+};
+
+/// Sorts lights into groups.
+class Sorter {
+ public:
+  explicit Sorter(const std::vector<LightBounds>& bounds) : bounds_(bounds), order_(bounds.size()) {
+    std::iota(order_.begin(), order_.end(), 0u);
+  }
+
+  uint32_t Light(size_t place) const { return order_[place]; }
+
+  LightBounds BoundsOf(Range range) const {
+    LightBounds all = bounds_[order_[range.begin]];
+    for (size_t i = range.begin + 1; i < range.end; ++i) all = Union(all, bounds_[order_[i]]);
+    return all;
+  }
+
+  /// Two groups of two lights or more: where the cost is least, or halves if `evenly`.
+  std::pair<Range, Range> Split(Range range, bool evenly) {
+    Vec3f low = bounds_[order_[range.begin]].Center(), high = low;
+    for (size_t i = range.begin; i < range.end; ++i) {
+      const Vec3f center = bounds_[order_[i]].Center();
+      low = Min(low, center);
+      high = Max(high, center);
+    }
+    const Vec3f extent = high - low;
+    BestSplit best;
+    for (int axis = 0; axis < 3 && !evenly; ++axis) {
+      if (!(extent[axis] > 0) || !std::isfinite(extent[axis])) continue;
+      // Long thin boxes are cut across.
+      const double shape = MaxComponent(extent) / extent[axis];
+      FindSplit(range, axis, low[axis], extent[axis], shape, &best);
+    }
+    size_t middle = range.begin + range.Count() / 2;
+    if (best.axis >= 0) {
+      const auto first = order_.begin() + static_cast<std::ptrdiff_t>(range.begin);
+      const auto last = order_.begin() + static_cast<std::ptrdiff_t>(range.end);
+      const auto before = [&](uint32_t light) {
+        const float center = bounds_[light].Center()[best.axis];
+        return BucketOf(center, low[best.axis], extent[best.axis]) <= best.bucket;
+      };
+      middle = static_cast<size_t>(std::stable_partition(first, last, before) - order_.begin());
+    }
+    return {{range.begin, middle}, {middle, range.end}};
+  }
+
+ private:
+  void FindSplit(Range range, int axis, float low, float extent, double shape, BestSplit* best) {
+    std::array<Bucket, kBuckets> buckets, behind;
+    for (size_t i = range.begin; i < range.end; ++i) {
+      const LightBounds& b = bounds_[order_[i]];
+      buckets[BucketOf(b.Center()[axis], low, extent)].Add(b, 1);
+    }
+    for (int i = kBuckets - 1; i > 0; --i) {
+      if (i + 1 < kBuckets) behind[i] = behind[i + 1];
+      behind[i].Add(buckets[i]);
+    }
+    Bucket before;
+    for (int i = 0; i + 1 < kBuckets; ++i) {
+      before.Add(buckets[i]);
+      if (before.lights == 0 || behind[i + 1].lights == 0) continue;
+      const double cost = shape * (Cost(before.bounds) + Cost(behind[i + 1].bounds));
+      if (cost < best->cost) *best = {axis, i, cost};
+    }
+  }
+
+  const std::vector<LightBounds>& bounds_;
+  std::vector<uint32_t> order_;
+};
 
 }  // namespace
 
@@ -87,117 +164,87 @@ LightBounds Union(const LightBounds& a, const LightBounds& b) {
   return both;
 }
 
-LightTree LightTree::Build(std::vector<LightBounds> bounds, LightSelection selection) {
+LightTree LightTree::Build(const std::vector<LightBounds>& bounds, LightSelection selection) {
   LightTree tree;
   tree.selection_ = selection;
-  if (bounds.empty()) return tree;
-  tree.nodes_.reserve(2 * bounds.size() - 1);
+  tree.lights_ = bounds.size();
   tree.trails_.resize(bounds.size());
-  std::vector<uint32_t> order(bounds.size());
-  std::iota(order.begin(), order.end(), 0u);
-  tree.BuildNode(bounds, order, 0, order.size(), 0, 0);
+  Sorter sorter(bounds);
+  struct Open {
+    Range range;
+    uint32_t node;
+    int depth;
+    uint64_t trail;
+  };
+  // Below this level groups are cut evenly, whatever it costs, so that trails fit their words.
+  constexpr int kMaxCostDepth = 16;
+  std::vector<Open> open = {{{0, bounds.size()}, 0, 0, 0}};
+  tree.nodes_.emplace_back();
+  while (!open.empty()) {
+    const Open now = open.back();
+    open.pop_back();
+    const bool evenly = now.depth >= kMaxCostDepth;
+    std::vector<Range> parts = {now.range};
+    while (parts.size() < 4) {
+      // The largest part is cut next.
+      const auto largest = std::max_element(parts.begin(), parts.end(),
+                                            [](Range a, Range b) { return a.Count() < b.Count(); });
+      if (largest->Count() < 2) break;
+      const auto [first, second] = sorter.Split(*largest, evenly);
+      *largest = first;
+      parts.push_back(second);
+    }
+    for (size_t place = 0; place < parts.size(); ++place) {
+      const Range part = parts[place];
+      const uint64_t trail = now.trail | uint64_t{place} << (2 * now.depth);
+      const uint32_t count = static_cast<uint32_t>(part.Count());
+      uint32_t child;
+      if (count == 1) {
+        child = sorter.Light(part.begin);
+        tree.trails_[child] = trail;
+      } else {
+        child = static_cast<uint32_t>(tree.nodes_.size());
+        tree.nodes_.emplace_back();
+        open.push_back({part, child, now.depth + 1, trail});
+      }
+      Node& node = tree.nodes_[now.node];
+      node.child[place] = child;
+      node.group.Set(static_cast<int>(place), sorter.BoundsOf(part), count);
+    }
+  }
   return tree;
 }
 
-uint32_t LightTree::BuildNode(std::vector<LightBounds>& bounds, std::vector<uint32_t>& order,
-                              size_t begin, size_t end, uint64_t trail, int depth) {
-  const uint32_t index = static_cast<uint32_t>(nodes_.size());
-  nodes_.emplace_back();
-  if (end - begin == 1) {
-    nodes_[index] = {bounds[order[begin]], 1, order[begin]};
-    trails_[order[begin]] = trail;
-    return index;
-  }
-  Vec3f low = bounds[order[begin]].Center(), high = low;
-  for (size_t i = begin; i < end; ++i) {
-    const Vec3f c = bounds[order[i]].Center();
-    low = Min(low, c);
-    high = Max(high, c);
-  }
-  const Vec3f extent = high - low;
-  Split best;
-  for (int axis = 0; axis < 3 && depth < kMaxCostDepth; ++axis) {
-    if (!(extent[axis] > 0) || !std::isfinite(extent[axis])) continue;
-    std::array<Bucket, kBuckets> buckets, behind;
-    for (size_t i = begin; i < end; ++i) {
-      const LightBounds& b = bounds[order[i]];
-      buckets[BucketOf(b.Center()[axis], low[axis], extent[axis])].Add(b);
-    }
-    behind[kBuckets - 1] = buckets[kBuckets - 1];
-    for (int i = kBuckets - 2; i > 0; --i) {
-      behind[i] = buckets[i].lights == 0 ? behind[i + 1] : buckets[i];
-      if (buckets[i].lights > 0 && behind[i + 1].lights > 0) {
-        behind[i].bounds = Union(buckets[i].bounds, behind[i + 1].bounds);
-        behind[i].lights += behind[i + 1].lights;
-      }
-    }
-    Bucket before;
-    // Long thin boxes are cut across.
-    const double shape = MaxComponent(extent) / extent[axis];
-    for (int i = 0; i + 1 < kBuckets; ++i) {
-      if (buckets[i].lights > 0) {
-        const size_t lights = before.lights + buckets[i].lights;
-        before.Add(buckets[i].bounds);
-        before.lights = lights;
-      }
-      if (before.lights == 0 || behind[i + 1].lights == 0) continue;
-      const double cost = shape * (Cost(before.bounds) + Cost(behind[i + 1].bounds));
-      if (cost < best.cost) best = {axis, i, cost};
-    }
-  }
-  size_t middle = begin + (end - begin) / 2;
-  if (best.axis >= 0) {
-    const int a = best.axis;
-    middle = static_cast<size_t>(
-        std::stable_partition(order.begin() + static_cast<std::ptrdiff_t>(begin),
-                              order.begin() + static_cast<std::ptrdiff_t>(end),
-                              [&](uint32_t light) {
-                                return BucketOf(bounds[light].Center()[a], low[a], extent[a]) <=
-                                       best.bucket;
-                              }) -
-        order.begin());
-  }
-  BuildNode(bounds, order, begin, middle, trail, depth + 1);
-  const uint32_t second =
-      BuildNode(bounds, order, middle, end, trail | uint64_t{1} << depth, depth + 1);
-  nodes_[index] = {Union(nodes_[index + 1].bounds, nodes_[second].bounds),
-                   static_cast<uint32_t>(end - begin), second};
-  return index;
-}
-
-float LightTree::FirstProbability(const Node& first, const Node& second,
-                                  const LightReceiver& receiver) const {
-  if (selection_ == LightSelection::kUniform)
-    return static_cast<float>(first.lights) / static_cast<float>(first.lights + second.lights);
-  if (selection_ == LightSelection::kPower)
-    return first.bounds.intensity / (first.bounds.intensity + second.bounds.intensity);
-  const float a = Importance(first.bounds, receiver), b = Importance(second.bounds, receiver);
-  return a + b > 0 ? a / (a + b) : -1;
+Floats4 LightTree::Weights(const LightGroup& group, const LightReceiver& receiver) const {
+  if (selection_ == LightSelection::kTree) return Importance(group, receiver);
+  if (selection_ == LightSelection::kPower) return group.intensity;
+  Floats4 counts;
+  for (int i = 0; i < 4; ++i) counts[i] = static_cast<float>(group.lights[i]);
+  return counts;
 }
 
 float LightTree::TreeProbability(uint32_t index, const LightReceiver& receiver) const {
   float probability = 1;
   uint64_t trail = trails_[index];
-  for (uint32_t node = 0; !nodes_[node].IsLeaf(); trail >>= 1) {
-    const uint32_t second = nodes_[node].second_or_light;
-    const float p = FirstProbability(nodes_[node + 1], nodes_[second], receiver);
-    if (p < 0) return 0;
-    probability *= trail & 1 ? 1 - p : p;
-    node = trail & 1 ? second : node + 1;
+  for (uint32_t node = 0;; trail >>= 2) {
+    const Floats4 weights = Weights(nodes_[node].group, receiver);
+    const uint64_t place = trail & 3;
+    if (!(weights[place] > 0)) return 0;
+    probability *= weights[place] / (weights[0] + weights[1] + weights[2] + weights[3]);
+    if (nodes_[node].group.lights[place] == 1) return probability;
+    node = nodes_[node].child[place];
   }
-  return probability;
 }
 
 float LightTree::Probability(uint32_t index, const LightReceiver& receiver) const {
-  if (trails_.size() == 1) return 1;
-  const float even = static_cast<float>(kEvenChoices / static_cast<double>(trails_.size()));
+  if (lights_ == 1) return 1;
+  const float even = static_cast<float>(kEvenChoices / static_cast<double>(lights_));
   return static_cast<float>(1 - kEvenChoices) * TreeProbability(index, receiver) + even;
 }
 
 LightTree::Choice LightTree::Select(const LightReceiver& receiver, double u) const {
-  const size_t lights = trails_.size();
-  if (lights == 1) return {0, 1, u};
-  const double n = static_cast<double>(lights);
+  if (lights_ == 1) return {0, 1, u};
+  const double n = static_cast<double>(lights_);
   if (u < kEvenChoices) {
     const double at = u / kEvenChoices * n;
     const uint32_t index = static_cast<uint32_t>(std::min(at, n - 1));
@@ -205,24 +252,28 @@ LightTree::Choice LightTree::Select(const LightReceiver& receiver, double u) con
   }
   u = (u - kEvenChoices) / (1 - kEvenChoices);
   float probability = 1;
-  uint32_t node = 0;
-  while (!nodes_[node].IsLeaf()) {
-    const uint32_t second = nodes_[node].second_or_light;
-    const float p = FirstProbability(nodes_[node + 1], nodes_[second], receiver);
-    if (p < 0) return {0, 0, u};
-    if (u < p) {
-      probability *= p;
-      u /= p;
-      ++node;
-    } else {
-      probability *= 1 - p;
-      u = (u - p) / (1 - double{p});
-      node = second;
+  for (uint32_t node = 0;;) {
+    const Floats4 weights = Weights(nodes_[node].group, receiver);
+    const float sum = weights[0] + weights[1] + weights[2] + weights[3];
+    if (!(sum > 0)) return {0, 0, u};
+    // The place whose part of the sum u falls into; roundings at the end fall to the last of them.
+    double rest = u * sum;
+    int place = 0;
+    for (int i = 0; i < 4; ++i) {
+      if (!(weights[i] > 0)) continue;
+      place = i;
+      if (rest < weights[i]) break;
+      rest -= weights[i];
     }
+    u = std::min(rest / weights[place], 1.0);
+    probability *= weights[place] / sum;
+    if (nodes_[node].group.lights[place] == 1) {
+      const float even = static_cast<float>(kEvenChoices / n);
+      return {nodes_[node].child[place], static_cast<float>(1 - kEvenChoices) * probability + even,
+              u};
+    }
+    node = nodes_[node].child[place];
   }
-  const float even = static_cast<float>(kEvenChoices / n);
-  return {nodes_[node].second_or_light, static_cast<float>(1 - kEvenChoices) * probability + even,
-          u};
 }
 
 }  // namespace strata

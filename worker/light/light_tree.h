@@ -3,20 +3,18 @@
 #include <cstdint>
 #include <vector>
 
-#include "worker/light/light_bounds.h"
+#include "worker/light/light_group.h"
 #include "worker/light/light_options.h"
 
 namespace strata {
 
 /// A hierarchy of bounded lights, from which one is chosen for a point in O(log n) steps: at each
-/// node one of two groups, by their importance (Conty Estevez and Kulla, "Importance Sampling of
+/// node one of four groups, by their importance (Conty Estevez and Kulla, "Importance Sampling of
 /// Many Lights with Adaptive Tree Splitting", 2018, without the splitting). Immutable.
 class LightTree {
  public:
   /// Index i of the tree is bounds[i], whose intensity is positive.
-  static LightTree Build(std::vector<LightBounds> bounds, LightSelection selection);
-
-  bool empty() const { return nodes_.empty(); }
+  static LightTree Build(const std::vector<LightBounds>& bounds, LightSelection selection);
 
   struct Choice {
     uint32_t index = 0;
@@ -30,23 +28,17 @@ class LightTree {
 
  private:
   struct Node {
-    LightBounds bounds;
-    uint32_t lights = 0;  ///< Below.
-    /// Of an inner node the second child, the first being the next node; of a leaf the light.
-    uint32_t second_or_light = 0;
-    bool IsLeaf() const { return lights == 1; }
+    LightGroup group;
+    uint32_t child[4] = {};  ///< A node, or, where there is one light below, that light.
   };
 
-  uint32_t BuildNode(std::vector<LightBounds>& bounds, std::vector<uint32_t>& order, size_t begin,
-                     size_t end, uint64_t trail, int depth);
-  /// Of the first of two children; negative where neither can give light.
-  float FirstProbability(const Node& first, const Node& second,
-                         const LightReceiver& receiver) const;
+  Floats4 Weights(const LightGroup& group, const LightReceiver& receiver) const;
   float TreeProbability(uint32_t index, const LightReceiver& receiver) const;
 
   LightSelection selection_ = LightSelection::kTree;
-  std::vector<Node> nodes_;       ///< Depth first.
-  std::vector<uint64_t> trails_;  ///< For each light the turns from the root, the first in bit 0.
+  size_t lights_ = 0;
+  std::vector<Node> nodes_;
+  std::vector<uint64_t> trails_;  ///< For each light its way from the root, two bits a step.
 };
 
 }  // namespace strata
