@@ -39,6 +39,19 @@ std::vector<TextureId> TexturesOf(const MaterialDescription& material) {
   return std::visit(Visitor{}, material);
 }
 
+bool IsIsotropicIn(const std::vector<MaterialDescription>& materials, MaterialId id) {
+  const MaterialDescription& material = materials[id];
+  const auto even = [](const Roughness& roughness) { return roughness.u == roughness.v; };
+  if (const auto* m = std::get_if<ConductorMaterial>(&material)) return even(m->roughness);
+  if (const auto* m = std::get_if<DielectricMaterial>(&material)) return even(m->roughness);
+  if (const auto* m = std::get_if<CoatedDiffuseMaterial>(&material)) return even(m->roughness);
+  if (const auto* m = std::get_if<CoatedConductorMaterial>(&material))
+    return even(m->interface_roughness) && even(m->conductor_roughness);
+  if (const auto* m = std::get_if<MixMaterial>(&material))
+    return IsIsotropicIn(materials, m->a) && IsIsotropicIn(materials, m->b);
+  return true;
+}
+
 /// The index of a coat, 0 for materials without one.
 float CoatEta(const MaterialDescription& material) {
   if (const auto* m = std::get_if<CoatedDiffuseMaterial>(&material)) return m->eta;
@@ -195,9 +208,11 @@ absl::StatusOr<std::unique_ptr<MaterialSet>> MaterialSet::Build(
     }
   }
   set->materials_ = std::move(materials);
-  for (const MaterialDescription& material : set->materials_) {
+  for (MaterialId id = 0; id < count; ++id) {
+    const MaterialDescription& material = set->materials_[id];
     const std::vector<TextureId> used = TexturesOf(material);
     Entry entry;
+    entry.isotropic = IsIsotropicIn(set->materials_, id);
     entry.constant = !std::holds_alternative<MixMaterial>(material) &&
                      std::all_of(used.begin(), used.end(), [&](TextureId id) {
                        return id == kNoTexture || textures.IsConstant(id);

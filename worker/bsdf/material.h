@@ -30,11 +30,14 @@ class MaterialSet {
     const Entry& entry = entries_[id];
     return entry.constant ? &entry.bsdf : nullptr;
   }
+  /// Whether it looks the same however it is turned about its normal, so that any tangent will do.
+  bool IsIsotropic(MaterialId id) const { return entries_[id].isotropic; }
 
  private:
   /// A material that is the same everywhere is made once.
   struct Entry {
     bool constant = false;
+    bool isotropic = false;
     Bsdf bsdf;
   };
 

@@ -37,22 +37,22 @@ struct TriangleSet {
 
 struct UnitVector {
   Vec3f direction;
-  float length;  ///< Of what it was made from.
+  float inverse_length;  ///< Of what it was made from.
 };
 
 /// The unit vector along `v`, whose squared length may lie outside the range of float.
 inline UnitVector NormalizeAny(Vec3f v) {
   const float length2 = LengthSquared(v);
   if (length2 > 1e-30f && length2 < 1e30f) {
-    const float length = std::sqrt(length2);
-    return {v * (1 / length), length};
+    const float inverse = 1 / std::sqrt(length2);
+    return {v * inverse, inverse};
   }
   const double x = v.x, y = v.y, z = v.z;
   const double length = std::sqrt(x * x + y * y + z * z);
   const double scale = 1 / length;
   return {
       {static_cast<float>(x * scale), static_cast<float>(y * scale), static_cast<float>(z * scale)},
-      static_cast<float>(length)};
+      static_cast<float>(scale)};
 }
 
 /// The point with barycentric coordinates (1 - u - v, u, v) of a triangle, in the set's space.
@@ -86,7 +86,7 @@ inline SurfacePoint PointOnTriangle(const TriangleSet& set, uint32_t primitive, 
   const Vec3f cross_terms = {size1.y * size2.z + size1.z * size2.y,
                              size1.z * size2.x + size1.x * size2.z,
                              size1.x * size2.y + size1.y * size2.x};
-  const float tilt = Gamma(3) * Dot(cross_terms, reach) / normal.length;
+  const float tilt = Gamma(3) * Dot(cross_terms, reach) * normal.inverse_length;
   point.p_error = Gamma(1) * Abs(point.p) + Gamma(5) * reach + tilt * Abs(ng);
 
   if (shape.uv_offset == TriangleSet::Shape::kNone) {

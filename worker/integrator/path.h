@@ -63,14 +63,18 @@ struct SilentObserver {
 namespace path_detail {
 
 inline constexpr float kMinSurvival = 0.05f;
+/// Throughput from which on a path surely goes on. A half is where variance times time is least over
+/// the shared scenes (docs/performance.md).
+inline constexpr float kSureSurvival = 0.5f;
 /// Shadow segments end short of the light by this part of their length: Embree's distances to
 /// surfaces round, and the light must not shadow itself.
 inline constexpr float kShadowEnd = 1 - 0x1p-14f;
 
-inline Frame ShadingFrame(const SurfacePoint& point, Vec3f wo) {
+inline Frame ShadingFrame(const SurfacePoint& point, Vec3f wo, bool isotropic) {
   // A surface that is seen from behind its interpolated normal is taken as flat.
   const bool seen = Dot(point.ns, wo) * Dot(point.ng, wo) > 0;
-  return Frame::FromNormalAndTangent(seen ? point.ns : point.ng, point.dpdu);
+  const Vec3f n = seen ? point.ns : point.ng;
+  return isotropic ? Frame::FromNormal(n) : Frame::FromNormalAndTangent(n, point.dpdu);
 }
 
 /// Where shading and geometric normal disagree about the side a direction lies on, the direction is
@@ -169,9 +173,10 @@ class PathTracer {
   }
 
   void MakeBsdf(int depth, PathVertex& vertex) {
-    vertex.frame = path_detail::ShadingFrame(vertex.point, vertex.wo_world);
-    vertex.wo = vertex.frame.ToLocal(vertex.wo_world);
     const SurfacePoint& point = vertex.point;
+    vertex.frame = path_detail::ShadingFrame(point, vertex.wo_world,
+                                             scene_.materials().IsIsotropic(point.material));
+    vertex.wo = vertex.frame.ToLocal(vertex.wo_world);
     vertex.bsdf = scene_.materials().Constant(point.material);
     if (vertex.bsdf) return;
     bsdf_ =
@@ -238,8 +243,9 @@ class PathTracer {
   bool SurvivesRoulette(int depth) {
     const float throughput = MaxComponent(beta_) * eta_scale_;
     // Not a number goes on, to be counted as the defect it is.
-    if (depth < 1 || !(throughput < 1)) return true;
-    const float survival = std::max(throughput, path_detail::kMinSurvival);
+    if (depth < 1 || !(throughput < path_detail::kSureSurvival)) return true;
+    const float survival =
+        std::max(throughput / path_detail::kSureSurvival, path_detail::kMinSurvival);
     const bool survives = Get2D(depth, kPairSelect).y < survival;
     beta_ *= 1 / survival;
     observer_.OnRoulette(survival, survives);
