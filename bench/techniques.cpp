@@ -36,6 +36,7 @@ const std::vector<Technique>& Techniques() {
       {"lights chosen uniformly", {.selection = LightSelection::kUniform}},
       {"near rectangles by area", {.solid_angle = false}},
       {"quads as two triangles", {.quads = false}},
+      {"environment by luminance", {.compensate = false}},
   };
   return techniques;
 }

@@ -72,7 +72,7 @@ absl::Status CheckImages(const LoadedScene& loaded) {
   for (const LightDescription& light : scene.lights) {
     const auto* image = std::get_if<ImageInfiniteLightDescription>(&light.light);
     if (image == nullptr) continue;
-    const absl::Status fits = EnvironmentImage::Load(*image, source).status();
+    const absl::Status fits = EnvironmentImage::Load(*image, source, false).status();
     if (!fits.ok()) {
       return absl::InvalidArgumentError(
           loaded.path.Located(absl::StrCat(light.where.ToString(), ": ", fits.message())));

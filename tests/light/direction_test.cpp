@@ -176,16 +176,20 @@ TEST(SkyDirections, FollowTheDensity) {
     int width, height;
     EnvironmentMapping mapping;
     Frame axes;
+    bool compensated = false;
   };
   const std::vector<Case> cases = {
       {"equal-area", 16, 16, EnvironmentMapping::kEqualArea, turned},
       {"mirrored equal-area", 15, 15, EnvironmentMapping::kEqualArea, mirrored},
       {"lat-long", 24, 12, EnvironmentMapping::kLatLong, turned},
-      {"mirrored lat-long", 20, 9, EnvironmentMapping::kLatLong, mirrored}};
+      {"mirrored lat-long", 20, 9, EnvironmentMapping::kLatLong, mirrored},
+      {"compensated", 16, 16, EnvironmentMapping::kEqualArea, turned, true},
+      {"compensated lat-long", 24, 12, EnvironmentMapping::kLatLong, turned, true}};
   const double level = SidakLevel(kAlpha, static_cast<int>(cases.size() + 1));
   uint64_t seed = 100;
   for (const Case& c : cases) {
-    const EnvironmentImage image(c.width, c.height, Sunny(c.width, c.height), c.mapping, c.axes);
+    const EnvironmentImage image(c.width, c.height, Sunny(c.width, c.height), c.mapping, c.axes,
+                                 c.compensated);
     const ImageEnvironment sky = {&image};
     ExpectDensity(
         c.name,

@@ -59,11 +59,14 @@ TestScene Studio(const MakeMaterial& make, Sky sky = Sky::kConstant) {
 void ExpectStrategiesAgree(const TestScene& scene) {
   const SceneFolder folder;
   folder.Write("sky.pfm", SkyWithSun());
-  const auto built = BuildScene(scene, DirectorySource(folder.root()));
+  const DirectorySource source(folder.root());
+  const auto built = BuildScene(scene, source);
+  // Without BSDF sampling a compensated sky is not complete.
+  const auto uncompensated = BuildScene(scene, source, {.compensate = false});
   JobSpec spec = TestSpec(24, 512, 4);
   const Estimate mis = FrameMean(RenderFrame(built, spec), 1);
   spec.seed = 8;
-  const Estimate light = FrameMean(RenderFrame(built, spec, DirectStrategy::kLightOnly), 1);
+  const Estimate light = FrameMean(RenderFrame(uncompensated, spec, DirectStrategy::kLightOnly), 1);
   spec.seed = 9;
   const Estimate bsdf = FrameMean(RenderFrame(built, spec, DirectStrategy::kBsdfOnly), 1);
   EXPECT_TRUE(Agree(mis, light)) << mis.mean << " +- " << mis.standard_error << ", light only "
@@ -119,6 +122,35 @@ TEST(StrategyTest, AgreeThroughPaper) { ExpectStrategiesAgree(Studio(Paper)); }
 TEST(StrategyTest, AgreeUnderAnImageOfTheSky) {
   for (const auto& make : {Matte, RoughMetal, Lacquer, Paper})
     ExpectStrategiesAgree(Studio(make, Sky::kImage));
+}
+
+/// Each way of choosing and sampling lights has the same expectation.
+TEST(StrategyTest, LightOptionsChangeNoMean) {
+  const SceneFolder folder;
+  folder.Write("sky.pfm", SkyWithSun());
+  const DirectorySource source(folder.root());
+  TestScene scene = Studio(Lacquer, Sky::kImage);
+  const MaterialId black = scene.Diffuse(0.0f);
+  // A rectangle near the wall, and one that faces away from most of the floor.
+  scene.Polygon({{-1, 1, 2.5f}, {1, 1, 2.5f}, {1, 2, 2.5f}, {-1, 2, 2.5f}}, black, Emits(3, true));
+  scene.Polygon({{2.5f, 0.1f, -1}, {2.5f, 0.1f, 1}, {2.9f, 1, 1}, {2.9f, 1, -1}}, black, Emits(3));
+  const auto mean = [&](const LightOptions& lights, uint64_t seed) {
+    JobSpec spec = TestSpec(24, 512, 4);
+    spec.seed = seed;
+    return FrameMean(RenderFrame(BuildScene(scene, source, lights), spec), 1);
+  };
+  const Estimate shipped = mean({}, 20);
+  uint64_t seed = 21;
+  for (const LightOptions& lights :
+       {LightOptions{.selection = LightSelection::kPower},
+        LightOptions{.selection = LightSelection::kUniform}, LightOptions{.quads = false},
+        LightOptions{.solid_angle = false}, LightOptions{.compensate = false}}) {
+    const Estimate other = mean(lights, seed++);
+    EXPECT_TRUE(Agree(shipped, other))
+        << seed << ": " << shipped.mean << " +- " << shipped.standard_error << ", " << other.mean
+        << " +- " << other.standard_error;
+    EXPECT_FALSE(Agree({shipped.mean * 1.03, shipped.standard_error}, other));
+  }
 }
 
 TEST(StrategyTest, AgreeInsideASphereLight) {

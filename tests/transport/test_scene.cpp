@@ -75,8 +75,9 @@ JobSpec TestSpec(int size, uint32_t spp, int max_depth) {
   return spec;
 }
 
-std::shared_ptr<const Scene> BuildScene(const TestScene& scene, const FileSource& source) {
-  auto built = Scene::Build(scene.description, source);
+std::shared_ptr<const Scene> BuildScene(const TestScene& scene, const FileSource& source,
+                                        const LightOptions& lights) {
+  auto built = Scene::Build(scene.description, source, lights);
   EXPECT_TRUE(built.ok()) << built.status();
   return *built;
 }

@@ -43,7 +43,8 @@ JobSpec TestSpec(int size, uint32_t spp, int max_depth);
 
 /// `source` holds the scene's images.
 std::shared_ptr<const Scene> BuildScene(const TestScene& scene,
-                                        const FileSource& source = DirectorySource("."));
+                                        const FileSource& source = DirectorySource("."),
+                                        const LightOptions& lights = {});
 
 /// A frame rendered as one unit.
 Partial RenderFrame(std::shared_ptr<const Scene> scene, const JobSpec& spec,

@@ -132,7 +132,8 @@ void AddEnvironment(Sha256& sha, EnvironmentMapping mapping) {
   std::vector<Rgb> pixels;
   for (int i = 0; i < kSize * kSize; ++i)
     pixels.push_back(Rgb{1, 2, 3} * static_cast<float>(i * 7 % 11));
-  const EnvironmentImage image(kSize, kSize, pixels, mapping, Frame::FromNormal({0.6f, 0, 0.8f}));
+  const EnvironmentImage image(kSize, kSize, pixels, mapping, Frame::FromNormal({0.6f, 0, 0.8f}),
+                               true);
   const ImageEnvironment light = {&image};
   SobolSampler sampler({});
   for (uint32_t index = 0; index < 64; ++index) {

@@ -38,7 +38,8 @@ absl::StatusOr<Frame> Axes(const Transform& to_world) {
 }  // namespace
 
 absl::StatusOr<EnvironmentImage> EnvironmentImage::Load(const ImageInfiniteLightDescription& light,
-                                                        const FileSource& source) {
+                                                        const FileSource& source,
+                                                        bool compensated) {
   STRATA_ASSIGN_OR_RETURN(const std::filesystem::path path, source.Locate(light.path));
   STRATA_ASSIGN_OR_RETURN(const ImageFile file, ReadImageFile(path));
   if (light.mapping == EnvironmentMapping::kEqualArea && file.width != file.height)
@@ -55,29 +56,38 @@ absl::StatusOr<EnvironmentImage> EnvironmentImage::Load(const ImageInfiniteLight
           absl::StrCat(light.path, ": the environment's pixel (", i % file.width, ", ",
                        i / file.width, ") is negative or not finite; radiance can be neither"));
   }
-  return EnvironmentImage(file.width, file.height, std::move(pixels), light.mapping, axes);
+  return EnvironmentImage(file.width, file.height, std::move(pixels), light.mapping, axes,
+                          compensated);
 }
 
 EnvironmentImage::EnvironmentImage(int width, int height, std::vector<Rgb> radiances,
-                                   EnvironmentMapping mapping, const Frame& axes)
+                                   EnvironmentMapping mapping, const Frame& axes, bool compensated)
     : width(width), height(height), mapping(mapping), axes(axes), pixels(std::move(radiances)) {
-  std::vector<float> weights(pixels.size());
+  // Rows of a lat-long image shrink towards the poles.
+  std::vector<double> row_weights(height, 1.0);
+  if (mapping == EnvironmentMapping::kLatLong) {
+    for (int y = 0; y < height; ++y) row_weights[y] = Sin(std::numbers::pi * (y + 0.5) / height);
+  }
   double sum[3] = {0, 0, 0}, solid_angle = 0;
-  for (int y = 0; y < height; ++y) {
-    // Rows of a lat-long image shrink towards the poles.
-    const double row =
-        mapping == EnvironmentMapping::kEqualArea ? 1 : Sin(std::numbers::pi * (y + 0.5) / height);
-    for (int x = 0; x < width; ++x) {
-      const size_t i = static_cast<size_t>(y) * width + x;
-      weights[i] = static_cast<float>(row * Luminance(pixels[i]));
-      sum[0] += row * pixels[i].r;
-      sum[1] += row * pixels[i].g;
-      sum[2] += row * pixels[i].b;
-      solid_angle += row;
-    }
+  for (size_t i = 0; i < pixels.size(); ++i) {
+    const double row = row_weights[i / width];
+    sum[0] += row * pixels[i].r;
+    sum[1] += row * pixels[i].g;
+    sum[2] += row * pixels[i].b;
+    solid_angle += row;
   }
   mean = {static_cast<float>(sum[0] / solid_angle), static_cast<float>(sum[1] / solid_angle),
           static_cast<float>(sum[2] / solid_angle)};
+  // A little above the mean, which is known to its rounding.
+  float everywhere = compensated ? Luminance(mean) * (1 + 1e-5f) : 0;
+  float most = 0;
+  for (const Rgb& pixel : pixels) most = std::max(most, Luminance(pixel));
+  if (!(most > everywhere)) everywhere = 0;
+  std::vector<float> weights(pixels.size());
+  for (size_t i = 0; i < pixels.size(); ++i) {
+    const double above = std::max(double{Luminance(pixels[i])} - everywhere, 0.0);
+    weights[i] = static_cast<float>(row_weights[i / width] * above);
+  }
   distribution = PiecewiseConstant2D(weights, width, height);
 }
 

@@ -33,17 +33,19 @@ inline std::optional<LightSample> SampleLi(const ConstantEnvironment& light, Vec
   return sample;
 }
 
-/// Pixels of constant radiance over the sphere, sampled by their luminance. As pbrt-v4 does, the
-/// look-up takes the nearest pixel, so that radiance over density is constant within a colour.
+/// Pixels of constant radiance over the sphere. As pbrt-v4 does, the look-up takes the nearest
+/// pixel. They are sampled by their luminance or, `compensated`, by what it has above the mean: the
+/// rest, which is alike from everywhere, is left to BSDF sampling, without which the sum of both is
+/// not complete (MIS compensation: Karlik et al. 2019, 4.1). A constant image has nothing above.
 struct EnvironmentImage {
   /// Reads the image of `light` through `source`. INVALID_ARGUMENT with its path when it does not
   /// fit its mapping, holds negative or non-finite values, or has a transform that shears.
   static absl::StatusOr<EnvironmentImage> Load(const ImageInfiniteLightDescription& light,
-                                               const FileSource& source);
+                                               const FileSource& source, bool compensated);
 
   /// `pixels` holds width * height radiances, row 0 first.
   EnvironmentImage(int width, int height, std::vector<Rgb> pixels, EnvironmentMapping mapping,
-                   const Frame& axes);
+                   const Frame& axes, bool compensated);
 
   int width, height;
   EnvironmentMapping mapping;

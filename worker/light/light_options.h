@@ -16,6 +16,7 @@ struct LightOptions {
   LightSelection selection = LightSelection::kTree;
   bool quads = true;        ///< Two triangles that make a parallelogram are one light.
   bool solid_angle = true;  ///< Near rectangles are sampled by solid angle.
+  bool compensate = true;   ///< Environment images are sampled where they are above their mean.
 };
 
 }  // namespace strata

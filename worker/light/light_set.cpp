@@ -51,7 +51,7 @@ absl::StatusOr<LightSet> LightSet::Build(const SceneDescription& scene, const Ge
       Rgb mean;
       set.environments_.push_back(index);
       if (const auto* image = std::get_if<ImageInfiniteLightDescription>(&description.light)) {
-        auto loaded = EnvironmentImage::Load(*image, source);
+        auto loaded = EnvironmentImage::Load(*image, source, options.compensate);
         if (!loaded.ok()) return Annotate(loaded.status(), description.where.ToString());
         set.images_.push_back(std::make_unique<EnvironmentImage>(*std::move(loaded)));
         set.lights_.push_back(ImageEnvironment{set.images_.back().get()});
