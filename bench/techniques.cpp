@@ -32,7 +32,7 @@ struct Technique {
 const std::vector<Technique>& Techniques() {
   static const std::vector<Technique> techniques = {
       {"as shipped", {}},
-      {"lights chosen by power", {.selection = LightSelection::kPower}},
+      {"lights chosen by intensity", {.selection = LightSelection::kIntensity}},
       {"lights chosen uniformly", {.selection = LightSelection::kUniform}},
       {"near rectangles by area", {.solid_angle = false}},
       {"quads as two triangles", {.quads = false}},
@@ -46,7 +46,7 @@ const std::vector<Technique>& Techniques() {
 /// way of choosing among them removes.
 SceneDescription ManyLights() {
   std::mt19937 random(1);
-  const auto uniform = [&](float low, float high) {  // The same numbers with any library.
+  const auto uniform = [&](float low, float high) {  // The same numbers anywhere.
     return low + (high - low) * static_cast<float>(random() >> 8) * 0x1p-24f;
   };
   SceneDescription scene;
@@ -73,8 +73,8 @@ SceneDescription ManyLights() {
     ShapeDescription shape;
     shape.geometry = lamp;
     const float x = uniform(-99, 99), y = uniform(-99, 99), z = uniform(4, 4.9f);
-    shape.to_world = Transform::Translate(x, y, z) *
-                     Transform::Rotate(uniform(-40, 40), uniform(-1, 1), uniform(-1, 1), 0);
+    const float degrees = uniform(-40, 40), across = uniform(-1, 1), along = uniform(-1, 1);
+    shape.to_world = Transform::Translate(x, y, z) * Transform::Rotate(degrees, across, along, 0);
     const float strength = uniform(0, 1);
     shape.emission = AreaEmission{Rgb{uniform(0.5f, 1), uniform(0.5f, 1), uniform(0.5f, 1)} *
                                   (2000 * strength * strength)};

@@ -4,11 +4,11 @@
 
 #include <fstream>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
 #include "cli/format.h"
 #include "cli/job_options.h"
+#include "cli/json.h"
 #include "cli/scene_summary.h"
 #include "worker/integrator/render.h"
 
@@ -109,31 +109,30 @@ void PrintLines(const CheckResult& result, Console& console) {
 void PrintJson(const CheckResult& result, Console& console) {
   const SceneSummary& summary = result.summary;
   const JobSpec& spec = result.spec;
-  console.Result(
-      nlohmann::ordered_json{{"scene", spec.bundle.scene},
-                             {"scene_digest", BundleDigest(spec.bundle).ToString()},
-                             {"width", spec.width},
-                             {"height", spec.height},
-                             {"crop", {spec.crop.x0, spec.crop.y0, spec.crop.x1, spec.crop.y1}},
-                             {"spp", spec.spp},
-                             {"max_depth", spec.max_depth},
-                             {"sampler", std::string(ToString(spec.sampler))},
-                             {"filter", std::string(ToString(spec.filter.kind))},
-                             {"shapes", summary.shapes},
-                             {"triangles", summary.triangles},
-                             {"instanced_triangles", summary.instanced_triangles},
-                             {"objects", summary.objects},
-                             {"instances", summary.instances},
-                             {"materials", summary.materials},
-                             {"lights", summary.lights},
-                             {"textures", summary.textures},
-                             {"files", summary.files},
-                             {"file_bytes", summary.file_bytes},
-                             {"film_bytes", FilmBytes(spec)},
-                             {"scene_bytes", result.scene_bytes},
-                             {"notes", result.notes},
-                             {"warnings", result.warnings}}
-          .dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+  console.Result(Json{{"scene", spec.bundle.scene},
+                      {"scene_digest", BundleDigest(spec.bundle).ToString()},
+                      {"width", spec.width},
+                      {"height", spec.height},
+                      {"crop", {spec.crop.x0, spec.crop.y0, spec.crop.x1, spec.crop.y1}},
+                      {"spp", spec.spp},
+                      {"max_depth", spec.max_depth},
+                      {"sampler", std::string(ToString(spec.sampler))},
+                      {"filter", std::string(ToString(spec.filter.kind))},
+                      {"shapes", summary.shapes},
+                      {"triangles", summary.triangles},
+                      {"instanced_triangles", summary.instanced_triangles},
+                      {"objects", summary.objects},
+                      {"instances", summary.instances},
+                      {"materials", summary.materials},
+                      {"lights", summary.lights},
+                      {"textures", summary.textures},
+                      {"files", summary.files},
+                      {"file_bytes", summary.file_bytes},
+                      {"film_bytes", FilmBytes(spec)},
+                      {"scene_bytes", result.scene_bytes},
+                      {"notes", result.notes},
+                      {"warnings", result.warnings}}
+                     .dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
 }  // namespace

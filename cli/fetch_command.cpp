@@ -1,10 +1,10 @@
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
 #include "cli/farm_address.h"
 #include "cli/format.h"
 #include "cli/interrupt.h"
+#include "cli/json.h"
 #include "cli/report.h"
 
 namespace strata {
@@ -24,7 +24,7 @@ absl::StatusOr<ExitStatus> Fetch(FarmClient& farm, const FetchOptions& options, 
   const InterruptWatch interrupts;
   STRATA_ASSIGN_OR_RETURN(const std::vector<std::string> files, WriteImage(options.output, image));
   if (options.json) {
-    console.Result(nlohmann::ordered_json{
+    console.Result(Json{
         {"job", options.job},
         {"final", IsFinal(status.state)},
         {"fraction", status.fraction},

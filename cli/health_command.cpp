@@ -1,8 +1,8 @@
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
 #include "cli/farm_address.h"
+#include "cli/json.h"
 
 namespace strata {
 namespace {
@@ -23,10 +23,8 @@ void AddHealthCommand(CommandLine& commands) {
         return WithFarm(options->farm, [&](FarmClient& farm) -> absl::StatusOr<ExitStatus> {
           STRATA_RETURN_IF_ERROR(farm.Health());
           const std::string& server = options->farm.server;
-          console.Result(
-              options->json
-                  ? nlohmann::ordered_json{{"server", server}, {"status", "SERVING"}}.dump()
-                  : server + " is serving");
+          console.Result(options->json ? Json{{"server", server}, {"status", "SERVING"}}.dump()
+                                       : server + " is serving");
           return ExitStatus::kDone;
         });
       });

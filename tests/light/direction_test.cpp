@@ -132,6 +132,28 @@ TEST(LampDirections, LeadToThePointThatWasChosen) {
   }
 }
 
+TEST(LampDirections, AreNotHiddenByAFlatLampItself) {
+  TestRandom random(5);
+  int asked = 0;
+  for (const LampCase& c : AllLampCases()) {
+    const bool mesh = std::holds_alternative<TriangleMeshShape>(c.shape.geometry);
+    const bool disk = std::holds_alternative<DiskShape>(c.shape.geometry);
+    if (!mesh && !disk) continue;
+    const Lamp lamp(c.shape);
+    for (int i = 0; i < 5000; ++i) {
+      const std::optional<LightSample> sample = lamp.Sample(c.from, random.Float2());
+      ASSERT_TRUE(sample) << c.name;
+      EXPECT_FALSE(lamp.IsHidden(c.from, *sample)) << c.name;
+      ++asked;
+      // The control: a point behind the lamp is hidden.
+      LightSample behind = *sample;
+      behind.end = c.from + (sample->end - c.from) * 1.1f;
+      EXPECT_TRUE(lamp.IsHidden(c.from, behind) || i % 10 != 0) << c.name;
+    }
+  }
+  EXPECT_GE(asked, 50000);
+}
+
 TEST(LampDirections, AreNoneTowardsADarkSide) {
   TestRandom random(4);
   for (const LampCase& c : AllLampCases()) {

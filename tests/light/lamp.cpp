@@ -59,6 +59,9 @@ std::vector<LampCase> AllLampCases() {
   mesh.positions = {{-1, -0.5f, 0}, {1, -0.5f, 0}, {1, 0.5f, 0}, {-1, 0.5f, 0}};
   mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
   const ShapeDescription rectangle = EmissiveShape(mesh, Transform::Rotate(30, 1, 2, 3));
+  mesh.positions[3].z = 2e-6f;
+  const ShapeDescription uneven = EmissiveShape(mesh);
+  mesh.positions[3].z = 0;
   mesh.positions[2].x = 1.5f;
   mesh.positions[3].x = -0.5f;
   const ShapeDescription parallelogram = EmissiveShape(mesh);
@@ -95,6 +98,7 @@ std::vector<LampCase> AllLampCases() {
       {"rectangle, very near", rectangle, {0.01f, 0.02f, 0.03f}},
       {"rectangle, far", rectangle, {20, 30, 40}},
       {"rectangle, grazing", rectangle, {1.1f, 0.35f, -0.4f}},
+      {"rectangle, uneven", uneven, {-0.7f, 0.3f, 0.01f}},
       {"parallelogram", parallelogram, {0.3f, -0.6f, 1.5f}},
       {"parallelogram, near", parallelogram, {0.1f, 0.2f, 0.4f}},
       {"sphere", sphere, {1, 2, 1.5f}},

@@ -19,6 +19,11 @@ class Lamp {
     return lights_.Sample(0, from, u);
   }
 
+  /// Whether anything, so the lamp itself, hides what was chosen.
+  bool IsHidden(Vec3f from, const LightSample& sample) const {
+    return geometry_->Occluded({from, sample.end - from, 1 - 0x1p-14f});
+  }
+
   /// Where a ray meets a side that emits.
   struct Meeting {
     EmissionHit hit;

@@ -1,5 +1,5 @@
-// The control of clang's thread-safety analysis: a field is read without its lock, so this source must
-// not compile (tests/CMakeLists.txt).
+// The control of clang's thread-safety analysis: a field is read without its lock, so this source
+// must not compile (tests/CMakeLists.txt).
 
 #include "common/sync.h"
 

@@ -39,17 +39,15 @@ std::vector<TextureId> TexturesOf(const MaterialDescription& material) {
   return std::visit(Visitor{}, material);
 }
 
-bool IsIsotropicIn(const std::vector<MaterialDescription>& materials, MaterialId id) {
-  const MaterialDescription& material = materials[id];
+/// Mixes, whose parts are not asked, are taken for what may be turned.
+bool IsIsotropicMaterial(const MaterialDescription& material) {
   const auto even = [](const Roughness& roughness) { return roughness.u == roughness.v; };
   if (const auto* m = std::get_if<ConductorMaterial>(&material)) return even(m->roughness);
   if (const auto* m = std::get_if<DielectricMaterial>(&material)) return even(m->roughness);
   if (const auto* m = std::get_if<CoatedDiffuseMaterial>(&material)) return even(m->roughness);
   if (const auto* m = std::get_if<CoatedConductorMaterial>(&material))
     return even(m->interface_roughness) && even(m->conductor_roughness);
-  if (const auto* m = std::get_if<MixMaterial>(&material))
-    return IsIsotropicIn(materials, m->a) && IsIsotropicIn(materials, m->b);
-  return true;
+  return !std::holds_alternative<MixMaterial>(material);
 }
 
 /// The index of a coat, 0 for materials without one.
@@ -208,11 +206,10 @@ absl::StatusOr<std::unique_ptr<MaterialSet>> MaterialSet::Build(
     }
   }
   set->materials_ = std::move(materials);
-  for (MaterialId id = 0; id < count; ++id) {
-    const MaterialDescription& material = set->materials_[id];
+  for (const MaterialDescription& material : set->materials_) {
     const std::vector<TextureId> used = TexturesOf(material);
     Entry entry;
-    entry.isotropic = IsIsotropicIn(set->materials_, id);
+    entry.isotropic = IsIsotropicMaterial(material);
     entry.constant = !std::holds_alternative<MixMaterial>(material) &&
                      std::all_of(used.begin(), used.end(), [&](TextureId id) {
                        return id == kNoTexture || textures.IsConstant(id);

@@ -222,8 +222,11 @@ void ShapeBuilder::AddCurved(const ShapeDescription& shape, CurvedShape curved, 
     Emitter emitter;
     emitter.area = static_cast<float>(area);
     const Box box = BoundsOf(curved);
-    emitter.shape = OtherEmitter{static_cast<uint32_t>(group->curved.size()), ToFloat(box.min),
-                                 ToFloat(box.max)};
+    OtherEmitter other = {static_cast<uint32_t>(group->curved.size()), ToFloat(box.min),
+                          ToFloat(box.max)};
+    other.flat = std::holds_alternative<DiskSurface>(curved.surface);
+    if (other.flat) other.ng = SampleArea(curved, {0.5f, 0.5f}).ng;
+    emitter.shape = other;
     const auto* sphere = std::get_if<SphereSurface>(&curved.surface);
     const std::optional<double> scale = curved.placement.UniformScale();
     if (sphere && sphere->IsFull() && scale) {

@@ -58,6 +58,8 @@ struct SphereEmitter {  ///< A full sphere under a similarity transform.
 struct OtherEmitter {
   uint32_t shape = 0;  ///< Known to Geometry alone.
   Vec3f min, max;      ///< A box that holds it.
+  bool flat = false;   ///< A disk.
+  Vec3f ng;            ///< If flat: unit, of the emitting side.
 };
 struct Emitter {
   std::variant<TriangleEmitter, SphereEmitter, OtherEmitter> shape;

@@ -54,7 +54,7 @@ struct DirectSample {
 struct SilentObserver {
   void OnMiss(const Ray&, Rgb /*radiance*/, float /*weight*/) {}
   void OnVertex(int /*depth*/, const Ray&, const PathVertex&, Rgb /*beta*/) {}
-  void OnEmission(int /*light*/, Rgb /*radiance*/, float /*weight*/) {}
+  void OnEmission(uint32_t /*light*/, Rgb /*radiance*/, float /*weight*/) {}
   void OnLight(const DirectSample&, Rgb /*contribution*/) {}
   void OnBsdf(const std::optional<BsdfSample>&, Vec3f /*wi_world*/) {}
   void OnRoulette(float /*survival*/, bool /*survived*/) {}
@@ -63,8 +63,8 @@ struct SilentObserver {
 namespace path_detail {
 
 inline constexpr float kMinSurvival = 0.05f;
-/// Throughput from which on a path surely goes on. A half is where variance times time is least over
-/// the shared scenes (docs/performance.md).
+/// Throughput from which on a path surely goes on. A half is where variance times time is least
+/// over the shared scenes (docs/performance.md).
 inline constexpr float kSureSurvival = 0.5f;
 /// Shadow segments end short of the light by this part of their length: Embree's distances to
 /// surfaces round, and the light must not shadow itself.
@@ -156,15 +156,15 @@ class PathTracer {
   }
 
   void AddEmission(const Ray& ray, const Hit& hit, const SurfacePoint& point) {
-    const uint32_t light = static_cast<uint32_t>(point.light);
-    const Rgb radiance = scene_.lights().SurfaceLe(light, point.ng, -ray.direction);
+    const uint32_t surface = static_cast<uint32_t>(point.light);
+    const Rgb radiance = scene_.lights().SurfaceLe(surface, point.ng, -ray.direction);
     if (IsBlack(radiance)) return;
     const float weight = EmissionWeight([&] {
-      return scene_.lights().SurfacePdf(light, previous_,
+      return scene_.lights().SurfacePdf(surface, previous_,
                                         {point.p, point.ng, ray.direction, hit.t});
     });
     result_.radiance += beta_ * radiance * weight;
-    observer_.OnEmission(point.light, radiance, weight);
+    observer_.OnEmission(scene_.lights().LightOfSurface(surface), radiance, weight);
   }
 
   static LightReceiver ReceiverAt(const PathVertex& vertex) {

@@ -33,7 +33,7 @@ class ReplayObserver {
                           depth, InFile(point.p), InFile(ray.origin), point.material,
                           Text(point.ng), Text(vertex.frame.z), point.uv.x, point.uv.y, Text(beta));
   }
-  void OnEmission(int light, Rgb radiance, float weight) {
+  void OnEmission(uint32_t light, Rgb radiance, float weight) {
     absl::StrAppendFormat(text_, "meets light %d: emits %s, MIS weight %.6g\n", light,
                           Text(radiance), weight);
   }

@@ -99,6 +99,13 @@ class DigestScene {
     ShapeDescription triangle = Shape(panel, 0, {0, 0, 0});
     triangle.emission = AreaEmission{{8, 8, 8}, true};
     shapes.push_back(triangle);
+    // Near to some points and far from others.
+    const TriangleMeshShape screen = {
+        .positions = {{-3, -0.9f, 3}, {-1, -0.9f, 3}, {-1, 0.3f, 3}, {-3, 0.3f, 3}},
+        .triangles = {{0, 2, 1}, {0, 3, 2}}};
+    ShapeDescription rectangle = Shape(screen, 0, {0, 0, 0});
+    rectangle.emission = AreaEmission{{2, 1, 1}};
+    shapes.push_back(rectangle);
   }
 
   void AddLights() {

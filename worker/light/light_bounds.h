@@ -23,6 +23,8 @@ struct LightBounds {
   Vec3f Center() const { return (min + max) * 0.5f; }
 };
 
+/// Half-angle of the cone of normals, in radians.
+double SpreadAngle(const LightBounds& bounds);
 /// What bounds both.
 LightBounds Union(const LightBounds& a, const LightBounds& b);
 

@@ -2,6 +2,8 @@
 
 #include <immintrin.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 #include "worker/light/light_bounds.h"
@@ -11,6 +13,9 @@
 namespace strata {
 
 using Floats4 __attribute__((vector_size(16))) = float;
+
+/// Squares of distances are kept within float's range, and all weights above 0.
+inline constexpr float kLeastDistance2 = 1e-36f, kMostDistance2 = 1e36f, kLeastWeight = 1e-37f;
 
 struct LightGroup {
   Floats4 x = {}, y = {}, z = {};  ///< Centres.
@@ -27,7 +32,8 @@ struct LightGroup {
     y[place] = center.y;
     z[place] = center.z;
     // A little more, for the roundings.
-    radius2[place] = 1.001f * LengthSquared((bounds.max - bounds.min) * 0.5f);
+    radius2[place] =
+        std::min(1.001f * LengthSquared((bounds.max - bounds.min) * 0.5f), kMostDistance2);
     axis_x[place] = bounds.axis.x;
     axis_y[place] = bounds.axis.y;
     axis_z[place] = bounds.axis.z;
@@ -73,8 +79,8 @@ inline Floats4 Facing(Floats4 cosine) {
 inline Floats4 Importance(const LightGroup& group, const LightReceiver& receiver) {
   using namespace light_group_detail;
   const Floats4 x = receiver.p.x - group.x, y = receiver.p.y - group.y, z = receiver.p.z - group.z;
-  // Squares of distances stay within float's range for any scene.
-  const Floats4 distance2 = Min(Max(x * x + y * y + z * z, All(1e-36f)), All(1e36f));
+  const Floats4 distance2 =
+      Min(Max(x * x + y * y + z * z, All(kLeastDistance2)), All(kMostDistance2));
   const Floats4 inverse2 = 1 / Max(distance2, group.radius2), inverse = Sqrt(1 / distance2);
   const Floats4 sin_size2 = group.radius2 * inverse2;  // 1 within the sphere.
   const Angle4 size = {Sqrt(sin_size2), Sqrt(Max(All(0), 1 - sin_size2))};
@@ -88,7 +94,9 @@ inline Floats4 Importance(const LightGroup& group, const LightReceiver& receiver
   if (!receiver.one_sided) incident = Abs(incident);
   const Floats4 lit = Facing(SubClamped({SinOf(incident), incident}, size).cos);
   const Floats4 outside = group.intensity * facing * lit * inverse2;
-  return distance2 > group.radius2 ? outside : group.intensity * inverse2;
+  const Floats4 weight = distance2 > group.radius2 ? outside : group.intensity * inverse2;
+  const Floats4 seen = distance2 > group.radius2 ? Min(facing, lit) : All(1);
+  return seen > 0 && group.intensity > 0 ? Max(weight, All(kLeastWeight)) : All(0);
 }
 
 }  // namespace strata

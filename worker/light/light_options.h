@@ -6,9 +6,9 @@ namespace strata {
 
 /// How one light of many is chosen. All but the tree are there to be compared with.
 enum class LightSelection : uint8_t {
-  kTree,    ///< By what each may bring to the point.
-  kPower,   ///< By its intensity alone.
-  kUniform  ///< All alike.
+  kTree,       ///< By what each may bring to the point.
+  kIntensity,  ///< By its intensity alone.
+  kUniform     ///< All alike.
 };
 
 /// What benches turn off to show its worth.

@@ -28,7 +28,7 @@ class LightSet {
 
   struct Choice {
     uint32_t light = 0;
-    float probability = 0;  ///< 0: no light that was chosen among can reach the point.
+    float probability = 0;  ///< 0: no light was found that can reach the point.
     float u = 0;            ///< What is left of the random number, again uniform in [0, 1).
   };
   /// Chooses by the 48-bit number u + 2^-24 u_low, both multiples of 2^-24 in [0, 1), so that
@@ -37,6 +37,8 @@ class LightSet {
   bool SelectNeedsLowBits() const { return lights_.size() > 1; }
   float Probability(uint32_t light, const LightReceiver& receiver) const;
 
+  /// The light that the emissive surface `surface` (SurfacePoint::light) is, or is a part of.
+  uint32_t LightOfSurface(uint32_t surface) const { return light_of_surface_[surface]; }
   /// Radiance that leaves the emissive surface `surface` (SurfacePoint::light) towards `wo`.
   Rgb SurfaceLe(uint32_t surface, Vec3f ng, Vec3f wo) const;
   /// Density per solid angle with which Select and SampleLi find a point of `surface`.

@@ -1,7 +1,10 @@
 #include "worker/light/light_tree.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
+#include <numbers>
 #include <numeric>
 #include <utility>
 
@@ -20,12 +23,10 @@ constexpr double kEvenChoices = 0.01;
 
 constexpr int kBuckets = 12;
 
-double AngleOf(float cosine) { return Acos(std::clamp(double{cosine}, -1.0, 1.0)); }
-
 /// The intensity of a group times the measure of the directions it shines in and of its box: what
 /// makes groups compact in place and direction (Conty Estevez and Kulla, 4.4).
 double Cost(const LightBounds& b) {
-  const double spread = AngleOf(b.cos_spread);
+  const double spread = SpreadAngle(b);
   const double reach = std::min(spread + kHalfTurn / 2, kHalfTurn);
   const double sine = Sin(spread), cosine = b.cos_spread;
   const double directions =
@@ -135,35 +136,6 @@ class Sorter {
 
 }  // namespace
 
-LightBounds Union(const LightBounds& a, const LightBounds& b) {
-  LightBounds both;
-  both.min = Min(a.min, b.min);
-  both.max = Max(a.max, b.max);
-  both.intensity = a.intensity + b.intensity;
-  both.two_sided = a.two_sided || b.two_sided;
-  // The smallest cone around both (PBRT 3.8.4).
-  const LightBounds &wide = a.cos_spread <= b.cos_spread ? a : b, &other = &wide == &a ? b : a;
-  const double between = AngleOf(Dot(wide.axis, other.axis));
-  const double theta_wide = AngleOf(wide.cos_spread), theta_other = AngleOf(other.cos_spread);
-  // A little more than that, for the roundings.
-  constexpr double kMargin = 1e-5;
-  both.axis = wide.axis;
-  both.cos_spread = wide.cos_spread;
-  if (std::min(between + theta_other, kHalfTurn) <= theta_wide) return both;
-  const double spread = 0.5 * (theta_wide + between + theta_other) + kMargin;
-  const Vec3d axis = ToDouble(wide.axis),
-              side = ToDouble(other.axis) - axis * Dot(axis, ToDouble(other.axis));
-  const double length = std::sqrt(Dot(side, side));
-  if (spread >= kHalfTurn || !(length > 0)) {
-    both.cos_spread = -1;
-    return both;
-  }
-  const double turn = spread - theta_wide;
-  both.axis = Normalize(ToFloat(axis * Cos(turn) + side * (Sin(turn) / length)));
-  both.cos_spread = std::max(static_cast<float>(Cos(spread)) - 0x1p-23f, -1.0f);
-  return both;
-}
-
 LightTree LightTree::Build(const std::vector<LightBounds>& bounds, LightSelection selection) {
   LightTree tree;
   tree.selection_ = selection;
@@ -217,7 +189,7 @@ LightTree LightTree::Build(const std::vector<LightBounds>& bounds, LightSelectio
 
 Floats4 LightTree::Weights(const LightGroup& group, const LightReceiver& receiver) const {
   if (selection_ == LightSelection::kTree) return Importance(group, receiver);
-  if (selection_ == LightSelection::kPower) return group.intensity;
+  if (selection_ == LightSelection::kIntensity) return group.intensity;
   Floats4 counts;
   for (int i = 0; i < 4; ++i) counts[i] = static_cast<float>(group.lights[i]);
   return counts;

@@ -18,7 +18,7 @@ class LightTree {
 
   struct Choice {
     uint32_t index = 0;
-    float probability = 0;  ///< 0: no light of the tree can reach the point.
+    float probability = 0;  ///< 0: no light was found that can reach the point.
     double u = 0;           ///< What is left of the random number.
   };
   /// `u` in [0, 1). The tree must not be empty.

@@ -53,9 +53,11 @@ std::optional<QuadLight> QuadOf(const Emitter& a, const Emitter& b, bool solid_a
       if (!((u == s && v == t) || (u == t && v == s))) continue;
       const Vec3f edge1 = s - corner, edge2 = t - corner;
       const float size = Length(edge1) + Length(edge2);
-      if (!(Length(q[j] - (s + edge2)) <= 1e-6f * size)) continue;
+      const Vec3f off = q[j] - (s + edge2);
+      if (!std::isfinite(size) || !(Length(off) <= 1e-6f * size)) continue;
       QuadLight quad = {corner, edge1, edge2, first->ng};
-      quad.p_error = (Abs(corner) + Abs(s) + Abs(t)) * kPointRounding;
+      // The surface itself may lie off the parallelogram by as much as its fourth corner does.
+      quad.p_error = (Abs(corner) + Abs(s) + Abs(t)) * kPointRounding + Abs(off);
       quad.pdf_area = 1 / (a.area + b.area);
       quad.radiance = a.radiance;
       quad.two_sided = a.two_sided;
@@ -85,12 +87,15 @@ LightBounds BoundsOf(const Light& light) {
     return {sphere->center - radius, sphere->center + radius};
   }
   const OtherEmitter& shape = std::get<ShapeLight>(light).shape;
+  if (shape.flat) return {shape.min, shape.max, shape.ng, 1};
   return {shape.min, shape.max};
 }
 
-/// The luminance of the intensity along a normal: of a convex body, of its mean shadow.
+/// The luminance of the intensity along the normal, or, of what is not flat, of its shadow's mean
+/// if it is convex: a quarter of its area.
 double IntensityOf(const Emitter& emitter) {
-  const bool flat = std::holds_alternative<TriangleEmitter>(emitter.shape);
+  const auto* other = std::get_if<OtherEmitter>(&emitter.shape);
+  const bool flat = other ? other->flat : std::holds_alternative<TriangleEmitter>(emitter.shape);
   return (flat ? 1 : 0.25) * double{emitter.area} * Luminance(emitter.radiance);
 }
 
