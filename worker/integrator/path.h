@@ -63,8 +63,8 @@ struct SilentObserver {
 namespace path_detail {
 
 inline constexpr float kMinSurvival = 0.05f;
-/// Throughput from which on a path surely goes on. A half is where variance times time is least
-/// over the shared scenes (docs/performance.md).
+/// Throughput from which on a path surely goes on. At a half variance times time is near its
+/// least on the shared scenes (docs/performance.md).
 inline constexpr float kSureSurvival = 0.5f;
 /// Shadow segments end short of the light by this part of their length: Embree's distances to
 /// surfaces round, and the light must not shadow itself.
