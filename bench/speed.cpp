@@ -28,6 +28,7 @@ struct Options {
   int threads = 2;
   int repeats = 5;
   double raw_seconds = 0.5;
+  KernelKind kernel = KernelKind::kFast;
 };
 
 /// Median, least and greatest of some runs.
@@ -65,7 +66,7 @@ absl::StatusOr<Row> Measure(const std::string& path, const Options& options) {
   spec.crop = {0, 0, options.size, options.size};
   spec.spp = options.spp;
   spec.max_depth = scene->defaults().max_depth;
-  spec.filter = scene->defaults().filter;
+  spec.kernel = options.kernel;
   STRATA_ASSIGN_OR_RETURN(const auto renderer, Renderer::Create(scene, spec));
   RenderPool pool(options.threads);
   const double samples = static_cast<double>(spec.crop.Pixels()) * options.spp;
@@ -140,6 +141,8 @@ int Main(int argc, char** argv) {
   app.add_option("--threads", options.threads);
   app.add_option("--repeats", options.repeats);
   app.add_option("--raw-seconds", options.raw_seconds, "time for each rate of raw Embree");
+  app.add_flag_callback(
+      "--reference", [&] { options.kernel = KernelKind::kReference; }, "the reference kernel");
   app.add_flag("--json", json, "one object per line");
   CLI11_PARSE(app, argc, argv);
   if (scenes.empty()) scenes = DefaultScenes();

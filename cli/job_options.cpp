@@ -12,13 +12,9 @@ namespace fs = std::filesystem;
 
 /// Refuses what later versions will do, with what to do today.
 absl::Status CheckNothingMissing(const JobOptions& options) {
-  const auto missing = [](const char* option, const char* instead) {
-    return absl::InvalidArgumentError(
-        absl::StrCat(option, " is not there yet in this version; ", instead));
-  };
-  if (options.kernel) return missing("--kernel", "leave it out");
-  if (options.integrator) return missing("--integrator", "leave it out: jobs are path traced");
-  return absl::OkStatus();
+  if (!options.integrator) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      "--integrator is not there yet in this version; leave it out: jobs are path traced");
 }
 
 /// `crop` of a frame of `from` pixels as the same part of a frame of `to` pixels, each border at
@@ -128,6 +124,8 @@ void AddJobOptions(CLI::App* command, JobOptions& options) {
   add("--crop", options.crop, "Render these pixels alone; x1 and y1 excluded", "x0,y0,x1,y1");
   add("--max-depth", options.max_depth, "Most bounces of a path", "D");
   add("--sampler", options.sampler, "sobol or independent", "NAME");
+  add("--kernel", options.kernel, "fast (default), or reference: plain code, to compare with",
+      "NAME");
   add("--filter", options.filter, "box, triangle, gaussian or mitchell; radius in pixels",
       "NAME[:radius]");
   add("--allocation", options.allocation,
@@ -142,10 +140,7 @@ void AddJobOptions(CLI::App* command, JobOptions& options) {
       "Refuse workers that would give other bits (default true)", "BOOL");
   add("--name", options.name, "What the job is called", "NAME");
   add("--priority", options.priority, "-100 to 100, higher first (default 0)", "P");
-  for (const auto& [name, value] :
-       {std::pair{"--kernel", &options.kernel}, {"--integrator", &options.integrator}}) {
-    command->add_option(name, *value)->group("");
-  }
+  command->add_option("--integrator", options.integrator)->group("");
 }
 
 std::string ScenePath::Located(const std::string& message) const {
@@ -213,6 +208,11 @@ absl::StatusOr<JobSpec> ResolveJobSpec(const JobOptions& options, const FrameDef
     const absl::StatusOr<SamplerKind> kind = ParseSamplerKind(*options.sampler);
     if (!kind.ok()) return Annotate(kind.status(), "--sampler");
     spec.sampler = *kind;
+  }
+  if (options.kernel) {
+    const absl::StatusOr<KernelKind> kind = ParseKernelKind(*options.kernel);
+    if (!kind.ok()) return Annotate(kind.status(), "--kernel");
+    spec.kernel = *kind;
   }
   spec.filter = defaults.filter;
   if (options.filter) {

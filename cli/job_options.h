@@ -21,7 +21,7 @@ struct JobOptions {
   std::optional<uint64_t> spp;
   std::optional<std::string> resolution, crop;
   std::optional<int> max_depth;
-  std::optional<std::string> sampler, filter;
+  std::optional<std::string> sampler, kernel, filter;
   std::optional<int> tile;
   std::optional<uint64_t> seed;
   std::optional<uint32_t> frame;
@@ -31,8 +31,7 @@ struct JobOptions {
   std::optional<int> priority;
   std::optional<std::string> allocation;
   std::optional<std::string> error, rmse, time;
-  /// Options of later versions, as far as they were given.
-  std::optional<std::string> kernel, integrator;
+  std::optional<std::string> integrator;  ///< Of a later version, if it was given.
 };
 
 /// Adds SCENE and all job options to `command`; they are written to `options` when it is parsed.

@@ -19,6 +19,10 @@ constexpr std::array<std::pair<SamplerKind, std::string_view>, 2> kSamplerNames 
     {SamplerKind::kSobol, "sobol"},
     {SamplerKind::kIndependent, "independent"},
 }};
+constexpr std::array<std::pair<KernelKind, std::string_view>, 2> kKernelNames = {{
+    {KernelKind::kFast, "fast"},
+    {KernelKind::kReference, "reference"},
+}};
 constexpr std::array<std::pair<AllocationKind, std::string_view>, 3> kAllocationNames = {{
     {AllocationKind::kUniform, "uniform"},
     {AllocationKind::kRing, "ring"},
@@ -125,6 +129,7 @@ absl::Status ValidateJobSpec(const JobSpec& spec) {
   STRATA_RETURN_IF_ERROR(ValidateCrop(spec));
   STRATA_RETURN_IF_ERROR(CheckRange("max_depth", spec.max_depth, 0, 100000));
   if (NameOf(kSamplerNames, spec.sampler) == "unknown") return Bad("sampler", "is not known");
+  if (NameOf(kKernelNames, spec.kernel) == "unknown") return Bad("kernel", "is not known");
   STRATA_RETURN_IF_ERROR(ValidateFilter(spec.filter));
   if (spec.spp == 0 || spec.spp % kReplicates != 0) {
     return Bad("spp", fmt::format("{} is not a positive multiple of {}", spec.spp, kReplicates));
@@ -150,12 +155,16 @@ std::vector<std::string> PlainChannelNames(const ExtraChannels& channels) {
 }
 
 std::string_view ToString(SamplerKind kind) { return NameOf(kSamplerNames, kind); }
+std::string_view ToString(KernelKind kind) { return NameOf(kKernelNames, kind); }
 std::string_view ToString(AllocationKind kind) { return NameOf(kAllocationNames, kind); }
 std::string_view ToString(TargetKind kind) { return NameOf(kTargetNames, kind); }
 std::string_view ToString(FilterKind kind) { return NameOf(kFilterNames, kind); }
 
 absl::StatusOr<SamplerKind> ParseSamplerKind(std::string_view name) {
   return ParseName(kSamplerNames, "sampler", name);
+}
+absl::StatusOr<KernelKind> ParseKernelKind(std::string_view name) {
+  return ParseName(kKernelNames, "kernel", name);
 }
 absl::StatusOr<AllocationKind> ParseAllocationKind(std::string_view name) {
   return ParseName(kAllocationNames, "allocation", name);

@@ -28,6 +28,12 @@ struct PixelRect {
 inline constexpr uint32_t kMaxSpp = 1 << 30;
 
 enum class SamplerKind { kSobol, kIndependent };
+/// Which code follows the paths: the same estimator from the same random numbers, rounded
+/// otherwise.
+enum class KernelKind {
+  kFast,       ///< Eight paths side by side.
+  kReference,  ///< One by one, in the plainest form.
+};
 /// How samples are spread over pixels (design, section 5).
 enum class AllocationKind {
   kUniform,
@@ -72,6 +78,7 @@ struct JobSpec {
   PixelRect crop;             ///< The pixels rendered, inside the frame, not empty.
   int max_depth = 5;          ///< Bounces, as pbrt-v4's maxdepth; 0 to 100000.
   SamplerKind sampler = SamplerKind::kSobol;
+  KernelKind kernel = KernelKind::kFast;
   FilterSpec filter;
   /// Samples per pixel over all replicates, on average: a multiple of 8 up to kMaxSpp. With a
   /// target, the most that are taken.
@@ -96,13 +103,15 @@ PixelLayout LayoutOf(const JobSpec& spec);
 /// The names of all plain channels in layout order, as they appear in the EXR.
 std::vector<std::string> PlainChannelNames(const ExtraChannels& channels);
 
-/// "sobol", "independent"; "uniform", "ring", "greedy"; "samples", "error", "rmse", "time"; "box",
-/// "triangle", "gaussian", "mitchell".
+/// "sobol", "independent"; "fast", "reference"; "uniform", "ring", "greedy"; "samples", "error",
+/// "rmse", "time"; "box", "triangle", "gaussian", "mitchell".
 std::string_view ToString(SamplerKind kind);
+std::string_view ToString(KernelKind kind);
 std::string_view ToString(AllocationKind kind);
 std::string_view ToString(TargetKind kind);
 std::string_view ToString(FilterKind kind);
 absl::StatusOr<SamplerKind> ParseSamplerKind(std::string_view name);
+absl::StatusOr<KernelKind> ParseKernelKind(std::string_view name);
 absl::StatusOr<AllocationKind> ParseAllocationKind(std::string_view name);
 absl::StatusOr<FilterKind> ParseFilterKind(std::string_view name);
 /// pbrt-v4's default radius and parameters of each filter.

@@ -96,6 +96,7 @@ std::vector<std::pair<std::string, std::string>> ImageMetadata(const JobStatus& 
       {"interval", status.state == JobState::kDone ? "at this count" : "at all times"},
       {"maxDepth", std::to_string(spec.max_depth)},
       {"sampler", std::string(ToString(spec.sampler))},
+      {"kernel", std::string(ToString(spec.kernel))},
       {"filter", FilterText(spec.filter)},
       {"tile", std::to_string(spec.tile)},
       {"seed", std::to_string(spec.seed)},

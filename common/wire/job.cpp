@@ -9,6 +9,10 @@ constexpr std::pair<SamplerKind, v1::SamplerKind> kSamplers[] = {
     {SamplerKind::kSobol, v1::SAMPLER_KIND_SOBOL},
     {SamplerKind::kIndependent, v1::SAMPLER_KIND_INDEPENDENT},
 };
+constexpr std::pair<KernelKind, v1::KernelKind> kKernels[] = {
+    {KernelKind::kFast, v1::KERNEL_KIND_FAST},
+    {KernelKind::kReference, v1::KERNEL_KIND_REFERENCE},
+};
 constexpr std::pair<AllocationKind, v1::AllocationKind> kAllocations[] = {
     {AllocationKind::kUniform, v1::ALLOCATION_KIND_UNIFORM},
     {AllocationKind::kRing, v1::ALLOCATION_KIND_RING},
@@ -91,6 +95,7 @@ void ToWire(const JobSpec& spec, v1::JobSpec* message, bool with_files) {
   ToWire(spec.crop, message->mutable_crop());
   message->set_max_depth(spec.max_depth);
   message->set_sampler(EnumToWire(kSamplers, spec.sampler));
+  message->set_kernel(EnumToWire(kKernels, spec.kernel));
   v1::FilterSpec* filter = message->mutable_filter();
   filter->set_kind(EnumToWire(kFilters, spec.filter.kind));
   filter->set_radius_x(spec.filter.radius_x);
@@ -124,6 +129,7 @@ absl::StatusOr<JobSpec> FromWire(const v1::JobSpec& message) {
   spec.crop = FromWire(message.crop());
   spec.max_depth = message.max_depth();
   STRATA_RETURN_IF_ERROR(EnumFromWire(kSamplers, message.sampler(), "spec.sampler", &spec.sampler));
+  STRATA_RETURN_IF_ERROR(EnumFromWire(kKernels, message.kernel(), "spec.kernel", &spec.kernel));
   const v1::FilterSpec& filter = message.filter();
   STRATA_RETURN_IF_ERROR(
       EnumFromWire(kFilters, filter.kind(), "spec.filter.kind", &spec.filter.kind));

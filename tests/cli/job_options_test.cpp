@@ -55,6 +55,7 @@ TEST(JobOptions, WhatIsGivenWinsOverTheSceneFile) {
   options.crop = "1,2,30,40";
   options.max_depth = 0;
   options.sampler = "independent";
+  options.kernel = "reference";
   options.filter = "triangle:1.5";
   options.spp = 32;
   options.tile = 16;
@@ -70,6 +71,7 @@ TEST(JobOptions, WhatIsGivenWinsOverTheSceneFile) {
   EXPECT_EQ(spec.crop, (PixelRect{1, 2, 30, 40}));
   EXPECT_EQ(spec.max_depth, 0);
   EXPECT_EQ(spec.sampler, SamplerKind::kIndependent);
+  EXPECT_EQ(spec.kernel, KernelKind::kReference);
   EXPECT_EQ(spec.filter.kind, FilterKind::kTriangle);
   EXPECT_EQ(spec.filter.radius_x, 1.5);
   EXPECT_EQ(spec.filter.radius_y, 1.5);
@@ -123,6 +125,7 @@ TEST(JobOptions, ValuesThatAreNotUnderstoodAreNamedWithWhatIsWanted) {
             std::string::npos);
   EXPECT_NE(Refusal({.scene = "a", .filter = "sinc"}).find("--filter: "), std::string::npos);
   EXPECT_NE(Refusal({.scene = "a", .sampler = "dice"}).find("--sampler: "), std::string::npos);
+  EXPECT_NE(Refusal({.scene = "a", .kernel = "quick"}).find("--kernel: "), std::string::npos);
   EXPECT_NE(Refusal({.scene = "a", .spp = 0}).find("--spp: 0"), std::string::npos);
 }
 

@@ -84,8 +84,8 @@ TEST(Usage, ValuesOfTheWrongKindAreNamed) {
 }
 
 TEST(Usage, WhatLaterVersionsDoIsRefusedWithASentence) {
-  ExpectRefused(RunInProcess({"render", "a.pbrt", "--kernel", "fast"}),
-                "--kernel is not there yet");
+  ExpectRefused(RunInProcess({"render", "a.pbrt", "--integrator", "bdpt"}),
+                "--integrator is not there yet");
 }
 
 TEST(Usage, AnImagePathThatCannotBeWrittenIsFoundBeforeTheWork) {

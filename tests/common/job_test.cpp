@@ -44,6 +44,7 @@ TEST(JobSpecTest, NamesTheFieldThatIsWrong) {
       {"crop", [](JobSpec& s) { s.crop.x0 = 64; }},
       {"max_depth", [](JobSpec& s) { s.max_depth = -1; }},
       {"sampler", [](JobSpec& s) { s.sampler = static_cast<SamplerKind>(9); }},
+      {"kernel", [](JobSpec& s) { s.kernel = static_cast<KernelKind>(9); }},
       {"filter.kind", [](JobSpec& s) { s.filter.kind = static_cast<FilterKind>(9); }},
       {"filter.radius_x", [](JobSpec& s) { s.filter.radius_x = 0; }},
       {"filter.radius_y", [nan](JobSpec& s) { s.filter.radius_y = nan; }},
@@ -88,6 +89,9 @@ TEST(JobSpecTest, LayoutPlacesEveryDoubleOnce) {
 TEST(NamesTest, AreParsedAsTheyArePrinted) {
   for (const auto kind : {SamplerKind::kSobol, SamplerKind::kIndependent}) {
     EXPECT_EQ(*ParseSamplerKind(ToString(kind)), kind);
+  }
+  for (const auto kind : {KernelKind::kFast, KernelKind::kReference}) {
+    EXPECT_EQ(*ParseKernelKind(ToString(kind)), kind);
   }
   for (const auto kind :
        {FilterKind::kBox, FilterKind::kTriangle, FilterKind::kGaussian, FilterKind::kMitchell}) {

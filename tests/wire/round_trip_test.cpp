@@ -59,6 +59,13 @@ TEST(RoundTrip, EveryEnumValue) {
       EXPECT_EQ(*wire::FromWire(message), spec);
     }
   }
+  for (const KernelKind kernel : {KernelKind::kFast, KernelKind::kReference}) {
+    JobSpec spec = SampleSpec();
+    spec.kernel = kernel;
+    v1::JobSpec message;
+    wire::ToWire(spec, &message);
+    EXPECT_EQ(*wire::FromWire(message), spec);
+  }
   for (const AllocationKind allocation :
        {AllocationKind::kUniform, AllocationKind::kRing, AllocationKind::kGreedy}) {
     for (const TargetKind target :

@@ -14,6 +14,7 @@ JobSpec SampleSpec() {
   spec.crop = {16, 32, 200, 100};
   spec.max_depth = 12;
   spec.sampler = SamplerKind::kIndependent;
+  spec.kernel = KernelKind::kReference;
   spec.filter = {FilterKind::kMitchell, 2.5, 1.5, 0.75, 0.25, 0.4};
   spec.spp = 128;
   spec.allocation = AllocationKind::kRing;

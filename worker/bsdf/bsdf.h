@@ -18,6 +18,7 @@
 //
 //   Rgb Eval(const X&, Vec3f wo, Vec3f wi)          f(wo, wi) |cos theta_i|; 0 for delta parts
 //   float Pdf(const X&, Vec3f wo, Vec3f wi)         per solid angle of wi; 0 for delta parts
+//   BsdfValue EvalPdf(const X&, Vec3f wo, Vec3f wi) both, where that saves work; optional
 //   std::optional<BsdfSample> Sample(const X&, Vec3f wo, float u_lobe, Vec2f u)
 //   bool IsDelta(const X&)                          all of it is delta: light sampling is in vain
 //   Rgb Albedo(const X&, Vec3f wo)                  directional albedo, approximate, for a channel
@@ -35,6 +36,14 @@ inline Rgb Eval(const Bsdf& bsdf, Vec3f wo, Vec3f wi) {
 }
 inline float Pdf(const Bsdf& bsdf, Vec3f wo, Vec3f wi) {
   return std::visit([&](const auto& b) { return Pdf(b, wo, wi); }, bsdf);
+}
+/// For kinds that have no cheaper way to both.
+template <typename X>
+BsdfValue EvalPdf(const X& bsdf, Vec3f wo, Vec3f wi) {
+  return {Eval(bsdf, wo, wi), Pdf(bsdf, wo, wi)};
+}
+inline BsdfValue EvalPdf(const Bsdf& bsdf, Vec3f wo, Vec3f wi) {
+  return std::visit([&](const auto& b) { return EvalPdf(b, wo, wi); }, bsdf);
 }
 inline std::optional<BsdfSample> Sample(const Bsdf& bsdf, Vec3f wo, float u_lobe, Vec2f u) {
   return std::visit([&](const auto& b) { return Sample(b, wo, u_lobe, u); }, bsdf);

@@ -14,4 +14,10 @@ struct BsdfSample {
   bool transmission = false;
 };
 
+/// Eval and Pdf of one pair of directions.
+struct BsdfValue {
+  Rgb f;  ///< Times |cos theta_i|.
+  float pdf = 0;
+};
+
 }  // namespace strata

@@ -123,13 +123,9 @@ inline Vec3f Refracted(Vec3f w, float eta, float cos_refracted) {
   return {w.x / eta, w.y / eta, cos_refracted};
 }
 
-struct Scattering {
-  Rgb value;
-  float pdf = 0;
-};
 /// All continuous parts at once, for directions above the surface and a rough metal.
-inline Scattering Scatter(const CoatedConductorBsdf& bsdf, const CoatDirection& o,
-                          const Lobes& lobes, Vec3f wo, Vec3f wi) {
+inline BsdfValue Scatter(const CoatedConductorBsdf& bsdf, const CoatDirection& o,
+                         const Lobes& lobes, Vec3f wo, Vec3f wi) {
   const float coat_eta = bsdf.coat.interface->eta();
   const CoatDirection i = EnterCoat(bsdf.coat, wi.z);
   const Vec3f inner_o = Refracted(wo, coat_eta, o.cos_refracted);
@@ -138,25 +134,25 @@ inline Scattering Scatter(const CoatedConductorBsdf& bsdf, const CoatDirection& 
   const float d = bsdf.metal.D(m);
   const float inverse_eta2 = 1 / (coat_eta * coat_eta);
   const float length = 1 / o.cos_refracted + 1 / i.cos_refracted;
-  Scattering result;
-  result.value = bsdf.Series(AbsDot(inner_o, m), length, std::min(o.reflectance, i.reflectance)) *
-                 ((1 - o.reflectance) * (1 - i.reflectance) * inverse_eta2 * d *
-                  bsdf.metal.VisibilityOver4(inner_o, inner_i) * wi.z);
-  result.value += bsdf.spread * CoatTransmittance(bsdf.coat, length) *
-                  (bsdf.Trapped(o, wo.z) * bsdf.Trapped(i, wi.z) * wi.z);
+  BsdfValue result;
+  result.f = bsdf.Series(AbsDot(inner_o, m), length, std::min(o.reflectance, i.reflectance)) *
+             ((1 - o.reflectance) * (1 - i.reflectance) * inverse_eta2 * d *
+              bsdf.metal.VisibilityOver4(inner_o, inner_i) * wi.z);
+  result.f += bsdf.spread * CoatTransmittance(bsdf.coat, length) *
+              (bsdf.Trapped(o, wo.z) * bsdf.Trapped(i, wi.z) * wi.z);
   // Solid angles inside and outside: eta^2 cos' d omega' = cos d omega.
   result.pdf = lobes.metal * 0.5f * d / (inner_o.z + bsdf.metal.Stretch(inner_o)) * inverse_eta2 *
                wi.z / inner_i.z;
   result.pdf += lobes.even * CosineHemispherePdf(wi.z);
   if (!bsdf.coat.IsSmooth()) {
-    result.value += Rgb::Gray(EvalCoatBorder(bsdf.coat, wo, wi));
+    result.f += Rgb::Gray(EvalCoatBorder(bsdf.coat, wo, wi));
     result.pdf += lobes.border * CoatBorderPdf(bsdf.coat, wo, wi);
   }
   return result;
 }
 
-inline Scattering ScatterEitherSide(const CoatedConductorBsdf& bsdf, Vec3f wo, Vec3f wi,
-                                    bool with_pdf) {
+inline BsdfValue ScatterEitherSide(const CoatedConductorBsdf& bsdf, Vec3f wo, Vec3f wi,
+                                   bool with_pdf) {
   if (!(wo.z * wi.z > 0) || IsDelta(bsdf)) return {};
   wo.z = std::fabs(wo.z);
   wi.z = std::fabs(wi.z);
@@ -178,11 +174,15 @@ inline std::optional<Vec3f> SampleMetal(const CoatedConductorBsdf& bsdf, const C
 }  // namespace coated_conductor_detail
 
 inline Rgb Eval(const CoatedConductorBsdf& bsdf, Vec3f wo, Vec3f wi) {
-  return coated_conductor_detail::ScatterEitherSide(bsdf, wo, wi, false).value;
+  return coated_conductor_detail::ScatterEitherSide(bsdf, wo, wi, false).f;
 }
 
 inline float Pdf(const CoatedConductorBsdf& bsdf, Vec3f wo, Vec3f wi) {
   return coated_conductor_detail::ScatterEitherSide(bsdf, wo, wi, true).pdf;
+}
+
+inline BsdfValue EvalPdf(const CoatedConductorBsdf& bsdf, Vec3f wo, Vec3f wi) {
+  return coated_conductor_detail::ScatterEitherSide(bsdf, wo, wi, true);
 }
 
 inline Rgb Albedo(const CoatedConductorBsdf& bsdf, Vec3f wo) {
@@ -219,10 +219,10 @@ inline std::optional<BsdfSample> Sample(const CoatedConductorBsdf& bsdf, Vec3f w
     wi = SampleCosineHemisphere(u);
   }
   if (!(wi.z > 0)) return std::nullopt;
-  const auto [value, pdf] = coated_conductor_detail::Scatter(bsdf, o, lobes, upper, wi);
+  const auto [f, pdf] = coated_conductor_detail::Scatter(bsdf, o, lobes, upper, wi);
   if (!(pdf > 0)) return std::nullopt;
   wi.z = std::copysign(wi.z, wo.z);
-  return BsdfSample{.wi = wi, .weight = value / pdf, .pdf = pdf};
+  return BsdfSample{.wi = wi, .weight = f / pdf, .pdf = pdf};
 }
 
 }  // namespace strata

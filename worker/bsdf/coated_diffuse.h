@@ -53,19 +53,15 @@ inline bool IsDelta(const CoatedDiffuseBsdf& bsdf) {
 namespace coated_diffuse_detail {
 
 /// Both continuous parts at once, for directions above the surface.
-struct Scattering {
-  Rgb value;
-  float pdf;
-};
-inline Scattering Scatter(const CoatedDiffuseBsdf& bsdf, const CoatDirection& o,
-                          float border_probability, Vec3f wo, Vec3f wi) {
+inline BsdfValue Scatter(const CoatedDiffuseBsdf& bsdf, const CoatDirection& o,
+                         float border_probability, Vec3f wo, Vec3f wi) {
   const CoatDirection i = EnterCoat(bsdf.coat, wi.z);
-  Scattering result;
-  result.value = bsdf.base * ((1 - o.reflectance) * (1 - i.reflectance) * wi.z) *
-                 CoatTransmittance(bsdf.coat, 1 / o.cos_refracted + 1 / i.cos_refracted);
+  BsdfValue result;
+  result.f = bsdf.base * ((1 - o.reflectance) * (1 - i.reflectance) * wi.z) *
+             CoatTransmittance(bsdf.coat, 1 / o.cos_refracted + 1 / i.cos_refracted);
   result.pdf = (1 - border_probability) * CosineHemispherePdf(wi.z);
   if (!bsdf.coat.IsSmooth()) {
-    result.value += Rgb::Gray(EvalCoatBorder(bsdf.coat, wo, wi));
+    result.f += Rgb::Gray(EvalCoatBorder(bsdf.coat, wo, wi));
     result.pdf += border_probability * CoatBorderPdf(bsdf.coat, wo, wi);
   }
   return result;
@@ -84,7 +80,7 @@ inline bool TurnUp(Vec3f& wo, Vec3f& wi) {
 inline Rgb Eval(const CoatedDiffuseBsdf& bsdf, Vec3f wo, Vec3f wi) {
   if (!coated_diffuse_detail::TurnUp(wo, wi)) return {};
   const CoatDirection o = EnterCoat(bsdf.coat, wo.z);
-  return coated_diffuse_detail::Scatter(bsdf, o, 0, wo, wi).value;
+  return coated_diffuse_detail::Scatter(bsdf, o, 0, wo, wi).f;
 }
 
 inline float Pdf(const CoatedDiffuseBsdf& bsdf, Vec3f wo, Vec3f wi) {
@@ -92,6 +88,12 @@ inline float Pdf(const CoatedDiffuseBsdf& bsdf, Vec3f wo, Vec3f wi) {
   const float border = bsdf.BorderProbability(EnterCoat(bsdf.coat, wo.z));
   const float base_pdf = (1 - border) * CosineHemispherePdf(wi.z);
   return bsdf.coat.IsSmooth() ? base_pdf : base_pdf + border * CoatBorderPdf(bsdf.coat, wo, wi);
+}
+
+inline BsdfValue EvalPdf(const CoatedDiffuseBsdf& bsdf, Vec3f wo, Vec3f wi) {
+  if (!coated_diffuse_detail::TurnUp(wo, wi)) return {};
+  const CoatDirection o = EnterCoat(bsdf.coat, wo.z);
+  return coated_diffuse_detail::Scatter(bsdf, o, bsdf.BorderProbability(o), wo, wi);
 }
 
 inline std::optional<BsdfSample> Sample(const CoatedDiffuseBsdf& bsdf, Vec3f wo, float u_lobe,
@@ -113,10 +115,10 @@ inline std::optional<BsdfSample> Sample(const CoatedDiffuseBsdf& bsdf, Vec3f wo,
     wi = SampleCosineHemisphere(u);
   }
   if (!(wi.z > 0)) return std::nullopt;
-  const auto [value, pdf] = coated_diffuse_detail::Scatter(bsdf, o, border, upper, wi);
+  const auto [f, pdf] = coated_diffuse_detail::Scatter(bsdf, o, border, upper, wi);
   if (!(pdf > 0)) return std::nullopt;
   wi.z = std::copysign(wi.z, wo.z);
-  return BsdfSample{.wi = wi, .weight = value / pdf, .pdf = pdf};
+  return BsdfSample{.wi = wi, .weight = f / pdf, .pdf = pdf};
 }
 
 inline Rgb Albedo(const CoatedDiffuseBsdf& bsdf, Vec3f wo) {

@@ -16,6 +16,12 @@ inline void Intersect(RTCScene scene, RTCRayHit* ray_hit) {
   rtcIntersect1(scene, ray_hit, nullptr);
 }
 inline void Occluded(RTCScene scene, RTCRay* ray) { rtcOccluded1(scene, ray, nullptr); }
+inline void Intersect8(const int* valid, RTCScene scene, RTCRayHit8* packet) {
+  rtcIntersect8(valid, scene, packet, nullptr);
+}
+inline void Occluded8(const int* valid, RTCScene scene, RTCRay8* packet) {
+  rtcOccluded8(valid, scene, packet, nullptr);
+}
 
 #else
 
@@ -29,6 +35,16 @@ inline void Occluded(RTCScene scene, RTCRay* ray) {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   rtcOccluded1(scene, &context, ray);
+}
+inline void Intersect8(const int* valid, RTCScene scene, RTCRayHit8* packet) {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcIntersect8(valid, scene, &context, packet);
+}
+inline void Occluded8(const int* valid, RTCScene scene, RTCRay8* packet) {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcOccluded8(valid, scene, &context, packet);
 }
 
 #endif

@@ -6,37 +6,46 @@
 namespace strata {
 namespace {
 
-SurfaceRay RayOf(const RTCRay& ray) {
-  return {{ray.org_x, ray.org_y, ray.org_z}, {ray.dir_x, ray.dir_y, ray.dir_z}, ray.tfar};
+/// Ray `i` of a packet of `n`.
+SurfaceRay RayOf(RTCRayN* rays, unsigned n, unsigned i) {
+  return {{RTCRayN_org_x(rays, n, i), RTCRayN_org_y(rays, n, i), RTCRayN_org_z(rays, n, i)},
+          {RTCRayN_dir_x(rays, n, i), RTCRayN_dir_y(rays, n, i), RTCRayN_dir_z(rays, n, i)},
+          RTCRayN_tfar(rays, n, i)};
 }
 
 const CurvedShape& ShapeOf(const void* shapes, unsigned primitive) {
   return static_cast<const CurvedShape*>(shapes)[primitive];
 }
 
-/// Only single rays are traced, so that Embree's packet of one has the layout of RTCRayHit.
 void IntersectCurved(const RTCIntersectFunctionNArguments* args) {
-  if (!args->valid[0]) return;
-  RTCRayHit& ray_hit = *reinterpret_cast<RTCRayHit*>(args->rayhit);
-  const auto hit = Intersect(ShapeOf(args->geometryUserPtr, args->primID), RayOf(ray_hit.ray));
-  if (!hit) return;
-  ray_hit.ray.tfar = static_cast<float>(hit->t);
-  ray_hit.hit.u = static_cast<float>(hit->u);
-  ray_hit.hit.v = static_cast<float>(hit->v);
-  // The normal follows from the point; its place carries the point, which t alone blurs.
-  ray_hit.hit.Ng_x = static_cast<float>(hit->p.x);
-  ray_hit.hit.Ng_y = static_cast<float>(hit->p.y);
-  ray_hit.hit.Ng_z = static_cast<float>(hit->p.z);
-  ray_hit.hit.geomID = args->geomID;
-  ray_hit.hit.primID = args->primID;
-  ray_hit.hit.instID[0] = args->context->instID[0];
+  const unsigned n = args->N;
+  RTCRayN* rays = RTCRayHitN_RayN(args->rayhit, n);
+  RTCHitN* hits = RTCRayHitN_HitN(args->rayhit, n);
+  const CurvedShape& shape = ShapeOf(args->geometryUserPtr, args->primID);
+  for (unsigned i = 0; i < n; ++i) {
+    if (!args->valid[i]) continue;
+    const auto hit = Intersect(shape, RayOf(rays, n, i));
+    if (!hit) continue;
+    RTCRayN_tfar(rays, n, i) = static_cast<float>(hit->t);
+    RTCHitN_u(hits, n, i) = static_cast<float>(hit->u);
+    RTCHitN_v(hits, n, i) = static_cast<float>(hit->v);
+    // The normal follows from the point; its place carries the point, which t alone blurs.
+    RTCHitN_Ng_x(hits, n, i) = static_cast<float>(hit->p.x);
+    RTCHitN_Ng_y(hits, n, i) = static_cast<float>(hit->p.y);
+    RTCHitN_Ng_z(hits, n, i) = static_cast<float>(hit->p.z);
+    RTCHitN_geomID(hits, n, i) = args->geomID;
+    RTCHitN_primID(hits, n, i) = args->primID;
+    RTCHitN_instID(hits, n, i, 0) = args->context->instID[0];
+  }
 }
 
 void OccludedCurved(const RTCOccludedFunctionNArguments* args) {
-  if (!args->valid[0]) return;
-  RTCRay& ray = *reinterpret_cast<RTCRay*>(args->ray);
-  if (Intersect(ShapeOf(args->geometryUserPtr, args->primID), RayOf(ray)))
-    ray.tfar = -std::numeric_limits<float>::infinity();
+  const unsigned n = args->N;
+  const CurvedShape& shape = ShapeOf(args->geometryUserPtr, args->primID);
+  for (unsigned i = 0; i < n; ++i) {
+    if (args->valid[i] && Intersect(shape, RayOf(args->ray, n, i)))
+      RTCRayN_tfar(args->ray, n, i) = -std::numeric_limits<float>::infinity();
+  }
 }
 
 void BoundsOfCurved(const RTCBoundsFunctionArguments* args) {

@@ -59,4 +59,19 @@ Ray Camera::GenerateRay(Vec2f point, Vec2f lens) const {
   return {position_ + offset, Normalize(direction * focal_distance_ - offset)};
 }
 
+RayLanes Camera::GenerateRays(Vec2Lanes point, Vec2Lanes lens) const {
+  const auto normalized = [](Vec3Lanes v) { return v * (1 / Sqrt(LengthSquared(v))); };
+  const Vec3Lanes direction =
+      SameVector(corner_) + SameVector(per_x_) * point.x + SameVector(per_y_) * point.y;
+  RayLanes rays;
+  rays.origin = SameVector(position_);
+  rays.direction = normalized(direction);
+  if (lens_radius_ == 0) return rays;
+  const Vec3Lanes offset =
+      (SameVector(right_) * lens.x + SameVector(up_) * lens.y) * SameFloat(lens_radius_);
+  rays.origin = rays.origin + offset;
+  rays.direction = normalized(direction * SameFloat(focal_distance_) - offset);
+  return rays;
+}
+
 }  // namespace strata

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "common/status.h"
-#include "worker/geometry/geometry.h"
+#include "worker/geometry/geometry_lanes.h"
 #include "worker/scene/description.h"
 
 namespace strata {
@@ -16,6 +16,8 @@ class Camera {
   /// The ray through the point (x, y) of the frame, in pixels from its upper left corner.
   /// `lens` is a point of the unit disk.
   Ray GenerateRay(Vec2f point, Vec2f lens) const;
+  /// Eight of them.
+  RayLanes GenerateRays(Vec2Lanes point, Vec2Lanes lens) const;
 
   bool has_lens() const { return lens_radius_ > 0; }
   Vec3f position() const { return position_; }

@@ -39,7 +39,8 @@ class RenderPool {
 /// Renders units of one job. Immutable and thread-safe but for `pool`.
 class Renderer {
  public:
-  /// INVALID_ARGUMENT when the spec cannot be rendered with this scene.
+  /// INVALID_ARGUMENT when the spec cannot be rendered with this scene. Strategies other than
+  /// kMis are for tests: the reference kernel alone knows them, and renders them for either.
   static absl::StatusOr<std::unique_ptr<Renderer>> Create(
       std::shared_ptr<const Scene> scene, const JobSpec& spec,
       DirectStrategy direct = DirectStrategy::kMis);
@@ -52,8 +53,9 @@ class Renderer {
   /// One path told vertex by vertex, for `strata replay`.
   std::string Replay(int x, int y, uint32_t replicate, uint32_t sample) const;
 
+  struct State;  ///< worker/integrator/renderer_state.h
+
  private:
-  struct State;
   explicit Renderer(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };

@@ -5,6 +5,7 @@
 
 #include "common/replay_command.h"
 #include "common/sync.h"
+#include "worker/integrator/path_lanes.h"
 #include "worker/integrator/pixel_sum.h"
 #include "worker/integrator/render_pool.h"
 #include "worker/integrator/renderer_state.h"
@@ -41,11 +42,16 @@ namespace {
 
 /// Pixels that a thread takes at a time.
 constexpr int64_t kBlockPixels = 16;
+/// Samples of a pixel that are kept until those before them, which may end later, are added.
+constexpr uint64_t kHeldSamples = 4096;
 /// Non-finite samples of a unit that are named.
 constexpr size_t kMaxReplays = 4;
 
-void SetPlainValues(const ExtraChannels& channels, const Camera& camera, const PathSample& sample,
-                    float weight, PixelValue& value) {
+PixelValue ValueOf(const Renderer::State& job, const PathSample& sample, float weight) {
+  PixelValue value;
+  value.color = sample.radiance * weight;
+  if (job.layout.plain == 0) return value;
+  const ExtraChannels& channels = job.spec.channels;
   int n = 0;
   const auto add = [&](float x) { value.plain[n++] = weight * x; };
   if (channels.alpha) add(sample.hit ? 1 : 0);
@@ -60,7 +66,8 @@ void SetPlainValues(const ExtraChannels& channels, const Camera& camera, const P
     add(sample.normal.z);
   }
   if (channels.depth)
-    add(sample.hit ? Dot(sample.position - camera.position(), camera.forward()) : 0);
+    add(sample.hit ? Dot(sample.position - job.camera.position(), job.camera.forward()) : 0);
+  return value;
 }
 
 Partial EmptyPartial(const WorkUnit& unit, const PixelLayout& layout) {
@@ -93,38 +100,83 @@ absl::Status CheckUnit(const WorkUnit& unit, const JobSpec& spec) {
   return absl::OkStatus();
 }
 
+/// The samples of one pixel in one unit, one replicate after the other.
+struct PixelSamples {
+  int x = 0, y = 0;
+  SampleRange range;  ///< Not empty.
+
+  uint64_t Count() const { return uint64_t{kReplicates} * range.Count(); }
+  uint32_t Replicate(uint64_t s) const { return static_cast<uint32_t>(s / range.Count()); }
+  uint32_t Index(uint64_t s) const {
+    return range.begin + static_cast<uint32_t>(s % range.Count());
+  }
+};
+
+/// Writes samples [first, last) to `values`, and returns the rays they took.
+template <typename Sampler>
+uint64_t TraceOneByOne(const Renderer::State& job, const PixelSamples& samples, uint64_t first,
+                       uint64_t last, PixelValue* values) {
+  uint64_t rays = 0;
+  SilentObserver observer;
+  for (uint64_t s = first; s < last;) {
+    const uint32_t replicate = samples.Replicate(s);
+    Sampler sampler(job.Key(samples.x, samples.y, replicate));
+    for (; s < last && samples.Replicate(s) == replicate; ++s) {
+      sampler.StartSample(samples.Index(s));
+      float weight = 1;
+      const Ray ray = job.CameraRay(samples.x, samples.y, sampler, &weight);
+      const PathSample sample = PathTracer(*job.scene, job.settings, sampler, observer).Trace(ray);
+      rays += sample.rays;
+      values[s - first] = ValueOf(job, sample, weight);
+    }
+  }
+  return rays;
+}
+
+template <typename Sampler>
+uint64_t TraceSideBySide(const Renderer::State& job, const PixelSamples& samples, uint64_t first,
+                         uint64_t last, PixelValue* values) {
+  uint64_t rays = 0;
+  FloatLanes weights = {};
+  PathLanes<Sampler> lanes(*job.scene, job.settings, job.Key(samples.x, samples.y, 0));
+  lanes.Trace(
+      samples.range, first, last,
+      [&](Vec2Lanes film, auto lens, MaskLanes mask) {
+        return job.CameraRays(samples.x, samples.y, film, lens, mask, &weights);
+      },
+      [&](uint64_t s, int lane, const PathSample& sample) {
+        rays += sample.rays;
+        values[s - first] = ValueOf(job, sample, weights[lane]);
+      });
+  return rays;
+}
+
 }  // namespace
 
 template <typename Sampler>
 void Renderer::State::RenderPixel(const WorkUnit& unit, int64_t pixel, Partial& partial,
                                   DefectList& defects) const {
-  const int x = unit.pixels.x0 + static_cast<int>(pixel % unit.pixels.Width());
-  const int y = unit.pixels.y0 + static_cast<int>(pixel / unit.pixels.Width());
-  const SampleRange range = unit.RangeOf(pixel);
-  double* values = &partial.values[static_cast<size_t>(pixel) * layout.Doubles()];
+  const PixelSamples samples = {unit.pixels.x0 + static_cast<int>(pixel % unit.pixels.Width()),
+                                unit.pixels.y0 + static_cast<int>(pixel / unit.pixels.Width()),
+                                unit.RangeOf(pixel)};
+  double* sums = &partial.values[static_cast<size_t>(pixel) * layout.Doubles()];
   PixelSum sum(layout);
-  uint64_t rays = 0;
-  uint32_t nonfinite = 0;
-  for (uint32_t replicate = 0; replicate < kReplicates; ++replicate) {
-    Sampler sampler(Key(x, y, replicate));
-    for (uint32_t index = range.begin; index < range.end; ++index) {
-      sampler.StartSample(index);
-      float weight = 1;
-      const Ray ray = CameraRay(x, y, sampler, &weight);
-      SilentObserver observer;
-      const PathSample sample = PathTracer(*scene, settings, sampler, observer).Trace(ray);
-      rays += sample.rays;
-      PixelValue value;
-      value.color = sample.radiance * weight;
-      if (layout.plain > 0) SetPlainValues(spec.channels, camera, sample, weight, value);
-      if (!sum.Add(value) && nonfinite++ == 0) defects.Add({pixel, replicate, index});
+  std::vector<PixelValue> values(std::min(samples.Count(), kHeldSamples));
+  for (uint64_t first = 0, last; first < samples.Count(); first = last) {
+    last = std::min(first + kHeldSamples, samples.Count());
+    partial.rays[pixel] +=
+        spec.kernel == KernelKind::kFast && settings.direct == DirectStrategy::kMis
+            ? TraceSideBySide<Sampler>(*this, samples, first, last, values.data())
+            : TraceOneByOne<Sampler>(*this, samples, first, last, values.data());
+    for (uint64_t s = first; s < last; ++s) {
+      const uint32_t replicate = samples.Replicate(s), index = samples.Index(s);
+      if (!sum.Add(values[s - first]) && partial.nonfinite[pixel]++ == 0)
+        defects.Add({pixel, replicate, index});
+      if (index + 1 == samples.range.end) sum.FinishReplicate(static_cast<int>(replicate), sums);
     }
-    sum.FinishReplicate(static_cast<int>(replicate), values);
   }
-  sum.Finish(values);
-  partial.samples[pixel] = range.Count();
-  partial.rays[pixel] = rays;
-  partial.nonfinite[pixel] = nonfinite;
+  sum.Finish(sums);
+  partial.samples[pixel] = samples.range.Count();
 }
 
 absl::StatusOr<std::unique_ptr<Renderer>> Renderer::Create(std::shared_ptr<const Scene> scene,

@@ -9,6 +9,7 @@
 #include "worker/sampling/filter.h"
 #include "worker/sampling/sampler.h"
 #include "worker/sampling/warp.h"
+#include "worker/sampling/warp_lanes.h"
 
 namespace strata {
 
@@ -35,6 +36,22 @@ struct Renderer::State {
     const Vec2f lens =
         camera.has_lens() ? SampleConcentricDisk(sampler.Get2D(kPairLens)) : Vec2f{0, 0};
     return camera.GenerateRay({x + 0.5f + film.offset.x, y + 0.5f + film.offset.y}, lens);
+  }
+
+  /// CameraRay for the lanes in `mask`: `film` and `lens` are points of their samplers, the latter
+  /// a function that gives them.
+  template <typename Lens>
+  RayLanes CameraRays(int x, int y, Vec2Lanes film, Lens lens, MaskLanes mask,
+                      FloatLanes* weights) const {
+    Vec2Lanes point;
+    ForEachLane(mask, [&](int lane) {
+      const FilterSample sample = filter.Sample({film.x[lane], film.y[lane]});
+      point.x[lane] = x + 0.5f + sample.offset.x;
+      point.y[lane] = y + 0.5f + sample.offset.y;
+      (*weights)[lane] = sample.weight;
+    });
+    return camera.GenerateRays(point,
+                               camera.has_lens() ? SampleConcentricDisk(lens()) : Vec2Lanes{});
   }
 
   /// All replicates of one pixel of the unit, written to its place in `partial`.

@@ -7,7 +7,7 @@
 #include "worker/scene/scene.h"
 
 // The digest by which two workers know that they compute the same bits: a scene of one of each,
-// rendered with each sampler.
+// rendered by each kernel with each sampler.
 
 namespace strata {
 namespace {
@@ -153,8 +153,8 @@ void AddEnvironment(Sha256& sha, EnvironmentMapping mapping) {
   }
 }
 
-void AddRender(Sha256& sha, const std::shared_ptr<const Scene>& scene, SamplerKind sampler,
-               FilterKind filter) {
+void AddRender(Sha256& sha, const std::shared_ptr<const Scene>& scene, KernelKind kernel,
+               SamplerKind sampler, FilterKind filter) {
   constexpr int kSize = 24;
   JobSpec spec;
   spec.bundle.scene = "traced-digest";
@@ -162,6 +162,7 @@ void AddRender(Sha256& sha, const std::shared_ptr<const Scene>& scene, SamplerKi
   spec.width = spec.height = kSize;
   spec.crop = {0, 0, kSize, kSize};
   spec.max_depth = 8;
+  spec.kernel = kernel;
   spec.sampler = sampler;
   spec.filter = DefaultFilter(filter);
   spec.channels = {.alpha = true, .albedo = true, .normal = true, .depth = true};
@@ -184,8 +185,10 @@ Digest TracedDigest() {
   Sha256 sha;
   const auto scene = Scene::Build(DigestScene().Build(), DirectorySource("."));
   if (scene.ok()) {
-    AddRender(sha, *scene, SamplerKind::kSobol, FilterKind::kMitchell);
-    AddRender(sha, *scene, SamplerKind::kIndependent, FilterKind::kGaussian);
+    for (const KernelKind kernel : {KernelKind::kFast, KernelKind::kReference}) {
+      AddRender(sha, *scene, kernel, SamplerKind::kSobol, FilterKind::kMitchell);
+      AddRender(sha, *scene, kernel, SamplerKind::kIndependent, FilterKind::kGaussian);
+    }
   } else {
     sha.Update(scene.status().ToString());
   }

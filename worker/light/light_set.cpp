@@ -64,6 +64,7 @@ absl::StatusOr<LightSet> LightSet::Build(const SceneDescription& scene, const Ge
     }
   }
   set.FindProbabilities();
+  set.flat_ = FlatLights(set.lights_);
   return set;
 }
 

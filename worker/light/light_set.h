@@ -7,6 +7,7 @@
 
 #include "common/status.h"
 #include "worker/geometry/geometry.h"
+#include "worker/light/flat_lights.h"
 #include "worker/light/light.h"
 #include "worker/light/light_tree.h"
 #include "worker/light/placed_light.h"
@@ -44,6 +45,8 @@ class LightSet {
   /// Density per solid angle with which Select and SampleLi find a point of `surface`.
   float SurfacePdf(uint32_t surface, const LightReceiver& receiver, const EmissionHit& hit) const;
   std::optional<LightSample> Sample(uint32_t light, Vec3f from, Vec2f u) const;
+  /// Eight at once, for the lanes in `mask`.
+  LightSampleLanes Sample(IntLanes light, Vec3Lanes from, Vec2Lanes u, MaskLanes mask) const;
 
   /// Indices of the lights that a ray which leaves the scene sees.
   const std::vector<uint32_t>& environments() const { return environments_; }
@@ -74,6 +77,7 @@ class LightSet {
   void FindProbabilities();
 
   std::vector<Light> lights_;  ///< Emissive surfaces first.
+  FlatLights flat_;            ///< Of lights_.
   std::vector<uint32_t> light_of_surface_;
   std::vector<uint32_t> environments_;
   std::vector<std::unique_ptr<EnvironmentImage>> images_;
@@ -136,6 +140,18 @@ inline float LightSet::SurfacePdf(uint32_t surface, const LightReceiver& receive
 
 inline std::optional<LightSample> LightSet::Sample(uint32_t light, Vec3f from, Vec2f u) const {
   return std::visit([&](const auto& l) { return SampleLi(l, from, u); }, lights_[light]);
+}
+
+inline LightSampleLanes LightSet::Sample(IntLanes light, Vec3Lanes from, Vec2Lanes u,
+                                         MaskLanes mask) const {
+  LightSampleLanes samples;
+  const MaskLanes flat = flat_.Sample(light, from, u, mask, &samples);
+  ForEachLane(mask & ~flat, [&](int lane) {
+    const std::optional<LightSample> sample =
+        Sample(static_cast<uint32_t>(light[lane]), from.Get(lane), {u.x[lane], u.y[lane]});
+    if (sample) samples.Set(lane, *sample);
+  });
+  return samples;
 }
 
 inline Rgb LightSet::EnvironmentLe(uint32_t light, Vec3f direction) const {

@@ -1,3 +1,5 @@
+#pragma once
+
 // Published colorimetric tables, every 5 nm, as facts; interpolate linearly in between. Included by
 // spectrum.cpp and named_spectra.cpp alone.
 

@@ -69,10 +69,13 @@ constexpr Word MixWord(Word v) {
 
 /// The seed of one scramble of a pair of dimensions, from a 64-bit key. `use` is 0 or 1 for the two
 /// coordinates, 2 for the order of the points.
+template <typename Key, typename Word>
+constexpr Word ScrambleSeed(Key key_low, Key key_high, Word pair, Word use) {
+  return MixWord(MixWord(pair * 4 + use + key_low) ^ key_high);
+}
 template <typename Word>
 constexpr Word ScrambleSeed(uint64_t key, Word pair, Word use) {
-  const Word v = MixWord(pair * 4 + use + static_cast<uint32_t>(key));
-  return MixWord(v ^ static_cast<uint32_t>(key >> 32));
+  return ScrambleSeed(static_cast<uint32_t>(key), static_cast<uint32_t>(key >> 32), pair, use);
 }
 
 }  // namespace strata

@@ -1,0 +1,154 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+#include "tests/transport/test_scene.h"
+
+// The fast kernel against the reference kernel: from the same random numbers nearly every sample is
+// the same, and where roundings send a path another way, the means are.
+
+namespace strata {
+namespace {
+
+/// One of each: surfaces that are traced side by side and those that are not, and every light.
+TestScene OneOfEach() {
+  TestScene scene;
+  const TextureId half = scene.Texture(Rgb::Gray(0.5f)), rough = scene.Texture(Rgb::Gray(0.2f));
+  const Roughness alpha = {.u = rough, .v = scene.Texture(Rgb::Gray(0.4f)), .remap = false};
+  scene.description.textures.push_back(
+      CheckerboardTexture{.a = half, .b = rough, .mapping = {4, 4}});
+  const TextureId checkerboard = static_cast<TextureId>(scene.description.textures.size()) - 1;
+  const MaterialId black = scene.Diffuse(0.0f);
+
+  TriangleMeshShape floor;
+  floor.positions = {{-4, 0, -4}, {-4, 0, 4}, {4, 0, 4}, {4, 0, -4}};
+  floor.normals = {{0.1f, 1, 0}, {0, 1, 0.1f}, {-0.1f, 1, 0}, {0, 1, -0.1f}};
+  floor.uvs = {{0, 0}, {0, 1}, {1, 1}, {1, 0}};
+  floor.triangles = {{0, 1, 2}, {0, 2, 3}};
+  ShapeDescription& shape = scene.description.shapes.emplace_back();
+  shape.geometry = floor;
+  shape.material = scene.Material(DiffuseMaterial{checkerboard});
+
+  scene.Polygon({{-4, 0, 4}, {-4, 4, 4}, {4, 4, 4}, {4, 0, 4}}, scene.Diffuse({0.7f, 0.5f, 0.3f}));
+  scene.Polygon({{-1, 3.5f, 0}, {1, 3.5f, 0}, {1, 3.5f, 1}, {-1, 3.5f, 1}}, black, Emits(6, true));
+  scene.Polygon({{-3, 0.1f, 3}, {-2, 0.1f, 3}, {-2.5f, 2, 3}}, black, Emits(3, true));
+  scene.Sphere({2, 2, 2}, 0.4f, black, Emits(5));
+  float x = -2.4f;
+  for (const MaterialDescription& material : {
+           MaterialDescription(ConductorMaterial{.reflectance = half, .roughness = alpha}),
+           MaterialDescription(DielectricMaterial{.eta = 1.5f}),
+           MaterialDescription(CoatedDiffuseMaterial{
+               .reflectance = checkerboard, .roughness = alpha, .albedo = scene.Texture({})}),
+           MaterialDescription(DiffuseTransmissionMaterial{half, rough}),
+       }) {
+    scene.Sphere({x, 0.7f, 0}, 0.6f, scene.Material(material));
+    x += 1.6f;
+  }
+  ObjectDescription& object = scene.description.objects.emplace_back();
+  ShapeDescription& part = object.shapes.emplace_back();
+  part.geometry = floor;
+  part.material = scene.Diffuse(0.6f);
+  scene.description.instances.emplace_back().to_world =
+      Transform::Translate(-3, 1, 1) * Transform::Rotate(70, 0, 0, 1) * Transform::Scale(.3, 1, .3);
+  scene.Light(PointLightDescription{{-2, 3, -2}, {2, 2, 2}});
+  scene.Light(DistantLightDescription{{0, 0.8f, -0.6f}, {0.5f, 0.5f, 0.4f}});
+  scene.Light(ConstantInfiniteLightDescription{{0.2f, 0.3f, 0.4f}});
+  scene.Camera({0, 2, -5}, {0, 0.9f, 1}, 50);
+  scene.description.camera.lens_radius = 0.05f;
+  scene.description.camera.focal_distance = 5;
+  return scene;
+}
+
+Partial Render(const std::shared_ptr<const Scene>& scene, JobSpec spec, KernelKind kernel,
+               SampleRange range) {
+  spec.kernel = kernel;
+  const auto renderer = Renderer::Create(scene, spec);
+  EXPECT_TRUE(renderer.ok()) << renderer.status();
+  RenderPool pool(2);
+  return *(*renderer)->Render({{}, spec.crop, {range}}, pool);
+}
+
+/// The share of samples of which all channels agree within `tolerance`, relative to the greater of
+/// the value and 1e-3.
+double AgreeingShare(const std::shared_ptr<const Scene>& scene, const JobSpec& spec,
+                     double tolerance) {
+  int64_t samples = 0, agreeing = 0;
+  for (uint32_t index = 0; index < spec.spp / kReplicates; ++index) {
+    // Units of one sample of each replicate: its replicates' means are the samples.
+    const Partial fast = Render(scene, spec, KernelKind::kFast, {index, index + 1});
+    const Partial plain = Render(scene, spec, KernelKind::kReference, {index, index + 1});
+    for (int64_t pixel = 0; pixel < spec.crop.Pixels(); ++pixel) {
+      for (int r = 0; r < kReplicates; ++r) {
+        bool agrees = true;
+        for (int c = 0; c < 3; ++c) {
+          const int64_t at = pixel * fast.layout.Doubles() + fast.layout.Mean(r, c);
+          const double a = fast.values[at], b = plain.values[at];
+          agrees = agrees && std::abs(a - b) <= tolerance * std::max(std::abs(b), 1e-3);
+        }
+        ++samples;
+        agreeing += agrees;
+      }
+    }
+  }
+  return static_cast<double>(agreeing) / static_cast<double>(samples);
+}
+
+TEST(KernelTest, NearlyEverySampleIsTheSame) {
+  const auto scene = BuildScene(OneOfEach());
+  JobSpec spec = TestSpec(48, 64, 12);
+  for (const SamplerKind sampler : {SamplerKind::kSobol, SamplerKind::kIndependent}) {
+    spec.sampler = sampler;
+    EXPECT_GE(AgreeingShare(scene, spec, 1e-5), 0.999);
+  }
+}
+
+TEST(KernelTest, ChannelsAreTheSame) {
+  const auto scene = BuildScene(OneOfEach());
+  JobSpec spec = TestSpec(32, 32, 3);
+  spec.channels = {.alpha = true, .albedo = true, .normal = true, .depth = true};
+  const Partial fast = Render(scene, spec, KernelKind::kFast, {0, 4});
+  const Partial plain = Render(scene, spec, KernelKind::kReference, {0, 4});
+  int differing = 0;
+  for (int64_t pixel = 0; pixel < spec.crop.Pixels(); ++pixel) {
+    for (int i = 0; i < fast.layout.plain; ++i) {
+      const int64_t at = pixel * fast.layout.Doubles() + fast.layout.Plain(i);
+      differing += std::abs(fast.values[at] - plain.values[at]) > 1e-4;
+    }
+  }
+  EXPECT_LE(differing, 2);
+}
+
+/// With other seeds, so that nothing is shared; the control is one of them with 3 % added.
+TEST(KernelTest, MeansAgree) {
+  const auto scene = BuildScene(OneOfEach());
+  JobSpec spec = TestSpec(24, 512, 12);
+  const Estimate fast = FrameMean(Render(scene, spec, KernelKind::kFast, {0, 64}), 1);
+  spec.seed = 8;
+  const Estimate plain = FrameMean(Render(scene, spec, KernelKind::kReference, {0, 64}), 1);
+  EXPECT_TRUE(Agree(fast, plain)) << fast.mean << " +- " << fast.standard_error << ", reference "
+                                  << plain.mean << " +- " << plain.standard_error;
+  EXPECT_FALSE(Agree({fast.mean * 1.03, fast.standard_error}, plain));
+}
+
+TEST(KernelTest, SharedScenesAgree) {
+  const char* shared = std::getenv("STRATA_SHARED");
+  const std::filesystem::path root =
+      shared ? shared : std::filesystem::path(STRATA_SOURCE_DIR) / ".." / "shared";
+  for (const std::string name : {"cornell-box", "veach-bidir", "veach-mis", "coffee"}) {
+    const std::filesystem::path folder = root / "scenes" / "pbrt" / name;
+    if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is missing";
+    const auto scene = LoadScene(DirectorySource(folder), "scene.pbrt");
+    ASSERT_TRUE(scene.ok()) << scene.status();
+    const double share =
+        AgreeingShare(*scene, TestSpec(64, 64, (*scene)->defaults().max_depth), 1e-5);
+    EXPECT_GE(share, 0.999) << name;
+    std::printf("%s: %.6f of the samples agree within 1e-5\n", name.c_str(), share);
+  }
+}
+
+}  // namespace
+}  // namespace strata

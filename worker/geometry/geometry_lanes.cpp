@@ -1,0 +1,140 @@
+#include "worker/geometry/geometry_lanes.h"
+
+#include "worker/geometry/state.h"
+
+namespace strata {
+namespace {
+
+void Store(float* to, FloatLanes v) { _mm256_store_ps(to, v); }
+FloatLanes Load(const float* from) { return _mm256_load_ps(from); }
+IntLanes Load(const unsigned* from) {
+  return reinterpret_cast<IntLanes>(_mm256_load_si256(reinterpret_cast<const __m256i*>(from)));
+}
+void Store(unsigned* to, IntLanes v) {
+  _mm256_store_si256(reinterpret_cast<__m256i*>(to), reinterpret_cast<__m256i>(v));
+}
+
+void SetRays(const RayLanes& from, RTCRay8* to) {
+  Store(to->org_x, from.origin.x);
+  Store(to->org_y, from.origin.y);
+  Store(to->org_z, from.origin.z);
+  Store(to->tnear, SameFloat(std::numeric_limits<float>::min()));
+  Store(to->dir_x, from.direction.x);
+  Store(to->dir_y, from.direction.y);
+  Store(to->dir_z, from.direction.z);
+  Store(to->time, FloatLanes{});
+  Store(to->tfar, from.t_max);
+  Store(to->mask, SameInt(-1));
+  Store(to->id, IntLanes{});
+  Store(to->flags, IntLanes{});
+}
+
+Vec3Lanes GatherVectors(const std::vector<Vec3f>& from, IntLanes index, MaskLanes mask) {
+  const float* x = &from.front().x;
+  const IntLanes at = index * 3;
+  return {Gather(x, at, mask), Gather(x + 1, at, mask), Gather(x + 2, at, mask)};
+}
+
+/// PointOnTriangle, but for what only some materials ask for.
+SurfaceLanes PointsOnTriangles(const TriangleSet& set, const HitLanes& hits, MaskLanes mask) {
+  const int32_t* triangles = reinterpret_cast<const int32_t*>(set.triangles.data());
+  const IntLanes at = hits.primitive * 4;
+  const IntLanes v0 = Gather(triangles, at, mask), v1 = Gather(triangles + 1, at, mask),
+                 v2 = Gather(triangles + 2, at, mask), last = Gather(triangles + 3, at, mask);
+  const IntLanes shape_at = (last & 0x7fffffff) * 5;
+  const MaskLanes flipped = last < 0;
+  static_assert(sizeof(TriangleSet::Shape) == 20);
+  const int32_t* shapes = reinterpret_cast<const int32_t*>(set.shapes.data());
+  SurfaceLanes surface;
+  surface.material = Gather(shapes, shape_at, mask);
+  const IntLanes first_light = Gather(shapes + 1, shape_at, mask);
+  const IntLanes first_triangle = Gather(shapes + 2, shape_at, mask);
+  const IntLanes normal_offset = Gather(shapes + 3, shape_at, mask);
+  surface.light = first_light >= 0 ? first_light + (hits.primitive - first_triangle) : SameInt(-1);
+
+  const Vec3Lanes p0 = GatherVectors(set.positions, v0, mask);
+  const Vec3Lanes e1 = GatherVectors(set.positions, v1, mask) - p0,
+                  e2 = GatherVectors(set.positions, v2, mask) - p0;
+  surface.p = p0 + (hits.u * e1 + hits.v * e2);
+
+  const Vec3Lanes cross = Cross(e1, e2);
+  const FloatLanes length2 = LengthSquared(cross);
+  FloatLanes inverse = 1 / Sqrt(length2);
+  Vec3Lanes normal = cross * inverse;
+  const MaskLanes extreme = mask & ~((length2 > 1e-30f) & (length2 < 1e30f));
+  ForEachLane(extreme, [&](int lane) {
+    const UnitVector unit = NormalizeAny(cross.Get(lane));
+    normal.Set(lane, unit.direction);
+    inverse[lane] = unit.inverse_length;
+  });
+  surface.ng = Select(flipped, -normal, normal);
+  surface.ns = surface.ng;
+
+  const Vec3Lanes size1 = Abs(e1), size2 = Abs(e2), reach = size1 + size2;
+  const Vec3Lanes cross_terms = {size1.y * size2.z + size1.z * size2.y,
+                                 size1.z * size2.x + size1.x * size2.z,
+                                 size1.x * size2.y + size1.y * size2.x};
+  const FloatLanes tilt = Gamma(3) * Dot(cross_terms, reach) * inverse;
+  const Vec3Lanes size = Abs(surface.ng);
+  const Vec3Lanes error =
+      Abs(surface.p) * SameFloat(Gamma(1)) + reach * SameFloat(Gamma(5)) + size * tilt;
+  surface.offset = Dot(size, error);
+
+  const MaskLanes smooth =
+      mask & (normal_offset != static_cast<int32_t>(TriangleSet::Shape::kNone));
+  if (Any(smooth)) {
+    const auto normal_of = [&](IntLanes vertex) {
+      return GatherVectors(set.normals, vertex + normal_offset, smooth);
+    };
+    const Vec3Lanes ns =
+        normal_of(v0) * (1 - hits.u - hits.v) + (normal_of(v1) * hits.u + normal_of(v2) * hits.v);
+    const FloatLanes ns2 = LengthSquared(ns);
+    const Vec3Lanes unit = ns * (1 / Sqrt(ns2));
+    const MaskLanes usable = smooth & (ns2 > 1e-8f);
+    surface.ns = Select(usable, Select(Dot(unit, surface.ng) < 0, -unit, unit), surface.ns);
+  }
+  return surface;
+}
+
+}  // namespace
+
+MaskLanes Intersect(const Geometry& geometry, const RayLanes& rays, MaskLanes active,
+                    HitLanes* hits) {
+  RTCRayHit8 packet;
+  SetRays(rays, &packet.ray);
+  Store(packet.hit.geomID, SameInt(-1));
+  Store(packet.hit.instID[0], SameInt(-1));
+  alignas(32) IntLanes valid = active;
+  embree::Intersect8(reinterpret_cast<const int*>(&valid), geometry.state().world.scene, &packet);
+  hits->t = Load(packet.ray.tfar);
+  hits->u = Load(packet.hit.u);
+  hits->v = Load(packet.hit.v);
+  hits->local = {Load(packet.hit.Ng_x), Load(packet.hit.Ng_y), Load(packet.hit.Ng_z)};
+  hits->geometry = Load(packet.hit.geomID);
+  hits->primitive = Load(packet.hit.primID);
+  hits->instance = Load(packet.hit.instID[0]);
+  return active & (hits->geometry != -1);
+}
+
+MaskLanes Occluded(const Geometry& geometry, const RayLanes& rays, MaskLanes active) {
+  RTCRay8 packet;
+  SetRays(rays, &packet);
+  alignas(32) IntLanes valid = active;
+  embree::Occluded8(reinterpret_cast<const int*>(&valid), geometry.state().world.scene, &packet);
+  return active & (Load(packet.tfar) < 0);
+}
+
+SurfaceLanes Surfaces(const Geometry& geometry, const RayLanes& rays, const HitLanes& hits,
+                      MaskLanes hit) {
+  const MaskLanes triangles =
+      hit & (hits.geometry == static_cast<int32_t>(kTriangleGeometry)) & (hits.instance == -1);
+  SurfaceLanes surfaces;
+  if (Any(triangles))
+    surfaces = PointsOnTriangles(geometry.state().world.triangles, hits, triangles);
+  ForEachLane(hit & ~triangles, [&](int lane) {
+    surfaces.Set(lane, geometry.Surface(rays.Get(lane), hits.Get(lane)));
+  });
+  return surfaces;
+}
+
+}  // namespace strata

@@ -1,0 +1,75 @@
+#pragma once
+
+#include "worker/geometry/geometry.h"
+#include "worker/math/lanes.h"
+
+namespace strata {
+
+/// Eight of Ray, Hit and so on, side by side.
+struct RayLanes {
+  Vec3Lanes origin, direction;
+  FloatLanes t_max = SameFloat(std::numeric_limits<float>::infinity());
+
+  Ray Get(int lane) const { return {origin.Get(lane), direction.Get(lane), t_max[lane]}; }
+};
+
+struct HitLanes {
+  FloatLanes t = {}, u = {}, v = {};
+  Vec3Lanes local;
+  IntLanes geometry = {}, primitive = {}, instance = {};
+
+  Hit Get(int lane) const {
+    return {t[lane],
+            u[lane],
+            v[lane],
+            local.Get(lane),
+            static_cast<uint32_t>(geometry[lane]),
+            static_cast<uint32_t>(primitive[lane]),
+            static_cast<uint32_t>(instance[lane])};
+  }
+};
+
+/// What every path asks of its SurfacePoints.
+struct SurfaceLanes {
+  Vec3Lanes p, ng, ns;
+  FloatLanes offset = {};  ///< How far off the surface rays start: |ng| . p_error.
+  IntLanes material = {}, light = {};
+
+  void Set(int lane, const SurfacePoint& point) {
+    p.Set(lane, point.p);
+    ng.Set(lane, point.ng);
+    ns.Set(lane, point.ns);
+    offset[lane] = Dot(Abs(point.ng), point.p_error);
+    material[lane] = point.material;
+    light[lane] = point.light;
+  }
+};
+
+/// Geometry::Intersect for the lanes in `active`; returns those that hit something. Which of two
+/// surfaces at one distance is met, and the last bits of a hit, may depend on all rays together.
+MaskLanes Intersect(const Geometry& geometry, const RayLanes& rays, MaskLanes active,
+                    HitLanes* hits);
+/// The lanes in `active` whose segment is blocked.
+MaskLanes Occluded(const Geometry& geometry, const RayLanes& rays, MaskLanes active);
+/// The points of the lanes in `hit`: triangles of the world itself side by side, all else one by
+/// one.
+SurfaceLanes Surfaces(const Geometry& geometry, const RayLanes& rays, const HitLanes& hits,
+                      MaskLanes hit);
+
+/// OffsetRayOrigin for points whose |ng| . p_error is `distance`.
+inline Vec3Lanes OffsetRayOrigins(Vec3Lanes p, FloatLanes distance, Vec3Lanes ng, Vec3Lanes w) {
+  const Vec3Lanes offset = ng * (Dot(w, ng) < 0 ? -distance : distance);
+  const auto move = [](FloatLanes from, FloatLanes by) {
+    constexpr float kInfinity = std::numeric_limits<float>::infinity();
+    const FloatLanes sum = from + by;
+    const IntLanes step = ((by > 0) == (sum > 0)) ? SameInt(1) : SameInt(-1);
+    const FloatLanes next = reinterpret_cast<FloatLanes>(reinterpret_cast<IntLanes>(sum) + step);
+    const FloatLanes least = by > 0 ? SameFloat(std::numeric_limits<float>::denorm_min())
+                                    : SameFloat(-std::numeric_limits<float>::denorm_min());
+    const FloatLanes moved = sum == 0 ? least : next;
+    return ((by == 0) | !(Abs(sum) < kInfinity)) ? sum : moved;
+  };
+  return {move(p.x, offset.x), move(p.y, offset.y), move(p.z, offset.z)};
+}
+
+}  // namespace strata

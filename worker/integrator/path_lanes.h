@@ -1,0 +1,309 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "worker/geometry/geometry_lanes.h"
+#include "worker/integrator/path.h"
+#include "worker/sampling/sampler_lanes.h"
+
+namespace strata {
+
+/// The fast kernel: eight paths of one pixel side by side, a path in each lane. When one ends, its
+/// lane begins the next. What most vertices have in common (rays, triangles, Lambert's reflection,
+/// flat lights, random numbers) is done for all lanes at once, the rest lane by lane with the code
+/// of PathTracer, of which this is another form: the same estimator from the same random numbers.
+template <typename Sampler>
+class PathLanes {
+ public:
+  PathLanes(const Scene& scene, const PathSettings& settings, const SampleKey& pixel)
+      : scene_(scene), settings_(settings), sampler_(pixel) {}
+
+  /// Traces samples [first, last) of a pixel, of which each replicate has range.Count(), one
+  /// replicate after the other. `rays(film, lens, mask)` gives the camera rays of points of the
+  /// sampler; `store(s, lane, sample)` takes sample s, in any order.
+  /// flatten: see PathTracer::Trace.
+  template <typename CameraRays, typename Store>
+  [[gnu::flatten]] void Trace(SampleRange range, uint64_t first, uint64_t last, CameraRays rays,
+                              Store store) {
+    uint64_t next = first;
+    std::array<uint64_t, kLanes> number;
+    MaskLanes alive = {};
+    while (true) {
+      MaskLanes starting = {};
+      ForEachLane(~alive, [&](int lane) {
+        if (next == last) return;
+        starting[lane] = -1;
+        number[lane] = next;
+        sampler_.StartSample(lane, static_cast<uint32_t>(next / range.Count()),
+                             range.begin + static_cast<uint32_t>(next % range.Count()));
+        ++next;
+      });
+      if (Any(starting)) Start(starting, rays);
+      alive |= starting;
+      if (!Any(alive)) return;
+      const MaskLanes ended = Step(alive);
+      ForEachLane(ended, [&](int lane) { store(number[lane], lane, Result(lane)); });
+      alive &= ~ended;
+    }
+  }
+
+ private:
+  template <typename CameraRays>
+  void Start(MaskLanes starting, CameraRays rays) {
+    const RayLanes camera = rays(
+        sampler_.Get2D(SameInt(kPairFilm), starting),
+        [&] { return sampler_.Get2D(SameInt(kPairLens), starting); }, starting);
+    ray_.origin = Select(starting, camera.origin, ray_.origin);
+    ray_.direction = Select(starting, camera.direction, ray_.direction);
+    const FloatLanes one = SameFloat(1);
+    beta_ = Select(starting, {one, one, one}, beta_);
+    radiance_ = Select(starting, {}, radiance_);
+    eta_scale_ = starting ? one : eta_scale_;
+    specular_ |= starting;
+    depth_ = starting ? IntLanes{} : depth_;
+    rays_ = starting ? IntLanes{} : rays_;
+    ForEachLane(starting, [&](int lane) { first_hit_[lane] = {}; });
+  }
+
+  PathSample Result(int lane) const {
+    PathSample sample = first_hit_[lane];
+    sample.radiance = radiance_.Get(lane);
+    sample.rays = static_cast<uint32_t>(rays_[lane]);
+    const Rgb beta = beta_.Get(lane);
+    if (!IsFinite(beta)) sample.radiance += beta;
+    return sample;
+  }
+
+  Vec2Lanes Get2D(BouncePair pair, MaskLanes mask) const {
+    constexpr int32_t kPerBounce = kPairsPerBounce, kFirst = kPairFirstBounce;
+    return sampler_.Get2D(depth_ * kPerBounce + (kFirst + static_cast<int32_t>(pair)), mask);
+  }
+
+  /// The next vertex of the paths in `alive`; returns those that end there.
+  MaskLanes Step(MaskLanes alive) {
+    HitLanes hits;
+    rays_ -= alive;  // Masks are -1.
+    const MaskLanes found = Intersect(scene_.geometry(), ray_, alive, &hits);
+    if (!scene_.lights().environments().empty())
+      ForEachLane(alive & ~found, [&](int lane) { AddEnvironment(lane); });
+    if (!Any(found)) return alive;
+    surface_ = Surfaces(scene_.geometry(), ray_, hits, found);
+    ForEachLane(found & (surface_.light >= 0), [&](int lane) { AddEmission(lane, hits.t[lane]); });
+    const MaskLanes last = depth_ == settings_.max_depth;
+    MaskLanes going = found & ~(last & (depth_ > 0));
+    if (!Any(going)) return alive;
+    MakeBsdfs(hits, going);
+    going &= ~last;
+    if (!Any(going)) return alive;
+    AddDirectLight(going);
+    going = Scatter(going);
+    going = SurviveRoulette(going);
+    depth_ = going ? depth_ + 1 : depth_;
+    return alive & ~going;
+  }
+
+  template <typename LightPdf>
+  float EmissionWeight(int lane, LightPdf&& light_pdf) const {
+    return specular_[lane] ? 1 : PowerHeuristic(bsdf_pdf_[lane], light_pdf());
+  }
+
+  void AddRadiance(int lane, Rgb radiance, float weight) {
+    radiance_.Set(lane, radiance_.Get(lane) + beta_.Get(lane) * radiance * weight);
+  }
+
+  void AddEnvironment(int lane) {
+    const LightSet& lights = scene_.lights();
+    const Vec3f direction = ray_.direction.Get(lane);
+    for (uint32_t light : lights.environments()) {
+      const float weight =
+          EmissionWeight(lane, [&] { return lights.EnvironmentPdf(light, direction); });
+      AddRadiance(lane, lights.EnvironmentLe(light, direction), weight);
+    }
+  }
+
+  void AddEmission(int lane, float t) {
+    const LightSet& lights = scene_.lights();
+    const uint32_t surface = static_cast<uint32_t>(surface_.light[lane]);
+    const Vec3f direction = ray_.direction.Get(lane), ng = surface_.ng.Get(lane);
+    const Rgb radiance = lights.SurfaceLe(surface, ng, -direction);
+    if (IsBlack(radiance)) return;
+    const float weight = EmissionWeight(lane, [&] {
+      return lights.SurfacePdf(surface, previous_.Get(lane),
+                               {surface_.p.Get(lane), ng, direction, t});
+    });
+    AddRadiance(lane, radiance, weight);
+  }
+
+  void MakeBsdfs(const HitLanes& hits, MaskLanes mask) {
+    const Vec3Lanes wo = -ray_.direction;
+    const MaskLanes seen = Dot(surface_.ns, wo) * Dot(surface_.ng, wo) > 0;
+    frame_ = FrameLanes::FromNormal(Select(seen, surface_.ns, surface_.ng));
+    lambertian_ = mask;
+    receiver_.one_sided = mask;
+    ForEachLane(mask, [&](int lane) {
+      const Bsdf& bsdf = BsdfOf(lane, hits, wo.Get(lane));
+      if (const auto* diffuse = std::get_if<DiffuseBsdf>(&bsdf)) {
+        reflectance_.Set(lane, diffuse->reflectance);
+      } else {
+        lambertian_[lane] = 0;
+        bsdf_[lane] = &bsdf;
+        wo_[lane] = frame_.Get(lane).ToLocal(wo.Get(lane));
+        if (Transmits(bsdf)) receiver_.one_sided[lane] = 0;
+      }
+      if (depth_[lane] == 0) DescribeFirstHit(lane, bsdf, wo.Get(lane));
+    });
+    wo_z_ = Dot(wo, frame_.z);
+    receiver_.p = surface_.p;
+    receiver_.n = Select(wo_z_ < 0, -frame_.z, frame_.z);
+  }
+
+  /// The BSDF of the lane's vertex; turns its frame where the material is not isotropic.
+  const Bsdf& BsdfOf(int lane, const HitLanes& hits, Vec3f wo) {
+    const MaterialSet& materials = scene_.materials();
+    const MaterialId id = surface_.material[lane];
+    const Bsdf* constant = materials.Constant(id);
+    const bool isotropic = materials.IsIsotropic(id);
+    if (constant && isotropic) return *constant;
+    const SurfacePoint point = scene_.geometry().Surface(ray_.Get(lane), hits.Get(lane));
+    if (!isotropic) frame_.Set(lane, path_detail::ShadingFrame(point, wo, false));
+    if (constant) return *constant;
+    MaskLanes only = {};
+    only[lane] = -1;
+    varying_[lane] = materials.Evaluate(id, point.uv, point.p, Get2D(kPairLobe, only).y[lane]);
+    return varying_[lane];
+  }
+
+  void DescribeFirstHit(int lane, const Bsdf& bsdf, Vec3f wo) {
+    PathSample& sample = first_hit_[lane];
+    sample.hit = true;
+    sample.normal = frame_.z.Get(lane);
+    sample.position = surface_.p.Get(lane);
+    if (settings_.features) sample.albedo = Albedo(bsdf, frame_.Get(lane).ToLocal(wo));
+  }
+
+  MaskLanes SidesAgree(Vec3Lanes w, FloatLanes w_z) const { return Dot(surface_.ng, w) * w_z > 0; }
+
+  void AddDirectLight(MaskLanes mask) {
+    const LightSet& lights = scene_.lights();
+    if (lights.empty()) return;
+    ForEachLane(mask & ~lambertian_, [&](int lane) {
+      if (IsDelta(*bsdf_[lane])) mask[lane] = 0;
+    });
+    if (!Any(mask)) return;
+    Vec2Lanes u = Get2D(kPairLight, mask);
+    IntLanes light = {};
+    FloatLanes probability = SameFloat(1);
+    if (lights.SelectNeedsLowBits()) {
+      const FloatLanes u_low = Get2D(kPairSelect, mask).x;
+      ForEachLane(mask, [&](int lane) {
+        const LightSet::Choice choice = lights.Select(receiver_.Get(lane), u.x[lane], u_low[lane]);
+        light[lane] = static_cast<int32_t>(choice.light);
+        probability[lane] = choice.probability;
+        u.x[lane] = choice.u;
+      });
+      mask &= probability > 0;
+    }
+    const LightSampleLanes sample = lights.Sample(light, surface_.p, u, mask);
+    const FloatLanes wi_z = Dot(sample.wi, frame_.z);
+    mask &= sample.valid & SidesAgree(sample.wi, wi_z);
+    FloatLanes bsdf_pdf = wo_z_ * wi_z > 0 ? kInvPi * Abs(wi_z) : FloatLanes{};
+    RgbLanes f = reflectance_ * bsdf_pdf;
+    ForEachLane(mask & ~lambertian_, [&](int lane) {
+      const BsdfValue value =
+          EvalPdf(*bsdf_[lane], wo_[lane], frame_.Get(lane).ToLocal(sample.wi.Get(lane)));
+      f.Set(lane, value.f);
+      bsdf_pdf[lane] = value.pdf;
+    });
+    mask &= ~IsBlack(f);
+    if (!Any(mask)) return;
+    const FloatLanes light_pdf = sample.pdf * probability;
+    const FloatLanes weight = sample.delta ? SameFloat(1) : PowerHeuristic(light_pdf, bsdf_pdf);
+    rays_ -= mask;
+    RayLanes shadow;
+    shadow.origin = OffsetRayOrigins(surface_.p, surface_.offset, surface_.ng, sample.wi);
+    shadow.direction = Select(sample.infinite, sample.wi, sample.end - shadow.origin);
+    shadow.t_max = sample.infinite ? shadow.t_max : SameFloat(path_detail::kShadowEnd);
+    mask &= ~Occluded(scene_.geometry(), shadow, mask);
+    radiance_ =
+        Select(mask, radiance_ + beta_ * f * sample.radiance * (weight / light_pdf), radiance_);
+  }
+
+  /// Chooses the next directions; returns the lanes that have one.
+  MaskLanes Scatter(MaskLanes mask) {
+    const Vec2Lanes u = Get2D(kPairBsdf, mask);
+    Vec3Lanes wi = SampleCosineHemisphere(u);
+    RgbLanes weight = reflectance_;
+    specular_ = MaskLanes{};
+    bsdf_pdf_ = Max(FloatLanes{}, wi.z) * kInvPi;
+    wi.z = wo_z_ < 0 ? -wi.z : wi.z;
+    MaskLanes going = mask & (~lambertian_ | ((wo_z_ * wi.z > 0) & ~IsBlack(reflectance_)));
+    if (const MaskLanes others = mask & ~lambertian_; Any(others)) {
+      const FloatLanes u_lobe = Get2D(kPairLobe, others).x;
+      ForEachLane(others, [&](int lane) {
+        const std::optional<BsdfSample> sample =
+            Sample(*bsdf_[lane], wo_[lane], u_lobe[lane], {u.x[lane], u.y[lane]});
+        if (!sample || IsBlack(sample->weight)) {
+          going[lane] = 0;
+          return;
+        }
+        wi.Set(lane, sample->wi);
+        weight.Set(lane, sample->weight);
+        specular_[lane] = sample->delta ? -1 : 0;
+        bsdf_pdf_[lane] = sample->pdf;
+        if (sample->transmission) eta_scale_[lane] *= sample->eta * sample->eta;
+      });
+    }
+    beta_ = Select(going, beta_ * weight, beta_);
+    ray_.direction = frame_.ToWorld(wi);
+    ray_.origin = OffsetRayOrigins(surface_.p, surface_.offset, surface_.ng, ray_.direction);
+    previous_ = receiver_;
+    return going & SidesAgree(ray_.direction, wi.z);
+  }
+
+  MaskLanes SurviveRoulette(MaskLanes mask) {
+    const FloatLanes throughput = MaxComponent(beta_) * eta_scale_;
+    const MaskLanes plays = mask & (depth_ >= 1) & (throughput < path_detail::kSureSurvival);
+    if (!Any(plays)) return mask;
+    const FloatLanes survival =
+        Max(throughput / path_detail::kSureSurvival, SameFloat(path_detail::kMinSurvival));
+    const MaskLanes survives = Get2D(kPairSelect, plays).y < survival;
+    beta_ = Select(plays, beta_ * (1 / survival), beta_);
+    return mask & (~plays | survives);
+  }
+
+  /// LightReceivers.
+  struct ReceiverLanes {
+    Vec3Lanes p, n;
+    MaskLanes one_sided = {};
+
+    LightReceiver Get(int lane) const { return {p.Get(lane), n.Get(lane), one_sided[lane] != 0}; }
+  };
+
+  const Scene& scene_;
+  const PathSettings& settings_;
+  SamplerLanes<Sampler> sampler_;
+
+  // Carried from vertex to vertex, as in PathTracer.
+  RayLanes ray_;
+  RgbLanes beta_, radiance_;
+  FloatLanes eta_scale_ = {}, bsdf_pdf_ = {};
+  MaskLanes specular_ = {};
+  ReceiverLanes previous_;
+  IntLanes depth_ = {}, rays_ = {};
+  std::array<PathSample, kLanes> first_hit_;
+
+  // Of the vertex.
+  SurfaceLanes surface_;
+  FrameLanes frame_;
+  FloatLanes wo_z_ = {};
+  ReceiverLanes receiver_;
+  MaskLanes lambertian_ = {};  ///< Scatters as Lambert says, by reflectance_; others by bsdf_.
+  RgbLanes reflectance_;
+  std::array<const Bsdf*, kLanes> bsdf_ = {};
+  std::array<Vec3f, kLanes> wo_;      ///< Local; not of Lambertian lanes.
+  std::array<Bsdf, kLanes> varying_;  ///< BSDFs that are not the same over the surface.
+};
+
+}  // namespace strata

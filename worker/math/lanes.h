@@ -1,0 +1,127 @@
+#pragma once
+
+#include <immintrin.h>
+
+#include <cstdint>
+
+#include "worker/math/vec.h"
+
+// Eight values side by side, one in each lane of a vector. Formulas are those of the scalar code in
+// the same order, so that they round alike. Comparisons give masks, whose lanes are all ones (-1)
+// or zeros; `mask ? a : b` chooses by them. Lanes outside the mask of a function hold anything.
+
+namespace strata {
+
+inline constexpr int kLanes = 8;
+using FloatLanes __attribute__((vector_size(32))) = float;
+using IntLanes __attribute__((vector_size(32))) = int32_t;
+using MaskLanes = IntLanes;
+
+inline FloatLanes SameFloat(float v) { return FloatLanes{v, v, v, v, v, v, v, v}; }
+inline IntLanes SameInt(int32_t v) { return IntLanes{v, v, v, v, v, v, v, v}; }
+
+/// One bit for each lane that is set.
+inline unsigned Bits(MaskLanes m) {
+  return static_cast<unsigned>(_mm256_movemask_ps(reinterpret_cast<__m256>(m)));
+}
+inline bool Any(MaskLanes m) { return Bits(m) != 0; }
+
+/// Calls f(lane) for each lane that is set, in their order.
+template <typename F>
+void ForEachLane(MaskLanes mask, F f) {
+  for (unsigned bits = Bits(mask); bits != 0; bits &= bits - 1) f(__builtin_ctz(bits));
+}
+
+inline FloatLanes Sqrt(FloatLanes v) { return _mm256_sqrt_ps(v); }
+inline FloatLanes Floor(FloatLanes v) { return _mm256_floor_ps(v); }
+inline FloatLanes Max(FloatLanes a, FloatLanes b) { return a > b ? a : b; }
+inline FloatLanes Abs(FloatLanes v) {
+  return reinterpret_cast<FloatLanes>(reinterpret_cast<IntLanes>(v) & 0x7fffffff);
+}
+inline IntLanes ToInt(FloatLanes v) { return reinterpret_cast<IntLanes>(_mm256_cvttps_epi32(v)); }
+inline FloatLanes ToFloat(IntLanes v) { return __builtin_convertvector(v, FloatLanes); }
+/// base[index] in each lane of `mask`, 0 in the others.
+inline FloatLanes Gather(const float* base, IntLanes index, MaskLanes mask) {
+  return _mm256_mask_i32gather_ps(FloatLanes{}, base, reinterpret_cast<__m256i>(index),
+                                  reinterpret_cast<__m256>(mask), sizeof(float));
+}
+inline IntLanes Gather(const int32_t* base, IntLanes index, MaskLanes mask) {
+  return reinterpret_cast<IntLanes>(
+      _mm256_mask_i32gather_epi32(__m256i{}, base, reinterpret_cast<__m256i>(index),
+                                  reinterpret_cast<__m256i>(mask), sizeof(int32_t)));
+}
+
+struct Vec2Lanes {
+  FloatLanes x = {}, y = {};
+};
+
+struct Vec3Lanes {
+  FloatLanes x = {}, y = {}, z = {};
+
+  friend Vec3Lanes operator+(Vec3Lanes a, Vec3Lanes b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+  friend Vec3Lanes operator-(Vec3Lanes a, Vec3Lanes b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+  friend Vec3Lanes operator-(Vec3Lanes a) { return {-a.x, -a.y, -a.z}; }
+  friend Vec3Lanes operator*(Vec3Lanes a, FloatLanes s) { return {a.x * s, a.y * s, a.z * s}; }
+  friend Vec3Lanes operator*(FloatLanes s, Vec3Lanes a) { return a * s; }
+
+  Vec3f Get(int lane) const { return {x[lane], y[lane], z[lane]}; }
+  void Set(int lane, Vec3f v) {
+    x[lane] = v.x;
+    y[lane] = v.y;
+    z[lane] = v.z;
+  }
+};
+
+inline Vec3Lanes SameVector(Vec3f v) { return {SameFloat(v.x), SameFloat(v.y), SameFloat(v.z)}; }
+inline FloatLanes Dot(Vec3Lanes a, Vec3Lanes b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline FloatLanes LengthSquared(Vec3Lanes a) { return Dot(a, a); }
+inline Vec3Lanes Cross(Vec3Lanes a, Vec3Lanes b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+inline Vec3Lanes Abs(Vec3Lanes a) { return {Abs(a.x), Abs(a.y), Abs(a.z)}; }
+inline Vec3Lanes Select(MaskLanes m, Vec3Lanes a, Vec3Lanes b) {
+  return {m ? a.x : b.x, m ? a.y : b.y, m ? a.z : b.z};
+}
+
+struct RgbLanes {
+  FloatLanes r = {}, g = {}, b = {};
+
+  friend RgbLanes operator+(RgbLanes a, RgbLanes b) { return {a.r + b.r, a.g + b.g, a.b + b.b}; }
+  friend RgbLanes operator*(RgbLanes a, RgbLanes b) { return {a.r * b.r, a.g * b.g, a.b * b.b}; }
+  friend RgbLanes operator*(RgbLanes a, FloatLanes s) { return {a.r * s, a.g * s, a.b * s}; }
+
+  Rgb Get(int lane) const { return {r[lane], g[lane], b[lane]}; }
+  void Set(int lane, Rgb v) {
+    r[lane] = v.r;
+    g[lane] = v.g;
+    b[lane] = v.b;
+  }
+};
+inline MaskLanes IsBlack(RgbLanes c) { return (c.r == 0) & (c.g == 0) & (c.b == 0); }
+inline FloatLanes MaxComponent(RgbLanes c) { return Max(c.r, Max(c.g, c.b)); }
+inline RgbLanes Select(MaskLanes m, RgbLanes a, RgbLanes b) {
+  return {m ? a.r : b.r, m ? a.g : b.g, m ? a.b : b.b};
+}
+
+struct FrameLanes {
+  Vec3Lanes x, y, z;
+
+  Vec3Lanes ToWorld(Vec3Lanes v) const { return x * v.x + y * v.y + z * v.z; }
+  Frame Get(int lane) const { return {x.Get(lane), y.Get(lane), z.Get(lane)}; }
+  void Set(int lane, const Frame& frame) {
+    x.Set(lane, frame.x);
+    y.Set(lane, frame.y);
+    z.Set(lane, frame.z);
+  }
+  static FrameLanes FromNormal(Vec3Lanes n) {
+    const FloatLanes one = SameFloat(1);
+    const IntLanes sign_bit = reinterpret_cast<IntLanes>(n.z) & static_cast<int32_t>(0x80000000);
+    const FloatLanes sign =
+        reinterpret_cast<FloatLanes>(reinterpret_cast<IntLanes>(one) | sign_bit);
+    const FloatLanes a = -1 / (sign + n.z);
+    const FloatLanes b = n.x * n.y * a;
+    return {{1 + sign * n.x * n.x * a, sign * b, -sign * n.x}, {b, sign + n.y * n.y * a, -n.y}, n};
+  }
+};
+
+}  // namespace strata
