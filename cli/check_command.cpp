@@ -24,6 +24,7 @@ struct CheckOptions {
 struct CheckResult {
   JobSpec spec;
   SceneSummary summary;
+  UnusedParts unused;
   uint64_t scene_bytes = 0;  ///< By which this process grew while it loaded the scene.
   std::vector<std::string> notes, warnings;
 };
@@ -55,6 +56,7 @@ absl::StatusOr<CheckResult> CheckScene(const JobOptions& options) {
   STRATA_ASSIGN_OR_RETURN(ResolvedJob job, ResolveJob(options, loaded));
   CheckResult result;
   result.summary = Summarize(loaded.pbrt.scene);
+  result.unused = loaded.pbrt.unused;
   result.summary.files = job.spec.bundle.files.size();
   for (const BundleFile& file : job.spec.bundle.files) result.summary.file_bytes += file.bytes;
   STRATA_ASSIGN_OR_RETURN(result.scene_bytes, MeasureLoading(loaded.path));
@@ -128,6 +130,11 @@ void PrintJson(const CheckResult& result, Console& console) {
                       {"textures", summary.textures},
                       {"files", summary.files},
                       {"file_bytes", summary.file_bytes},
+                      {"unused",
+                       {{"objects", result.unused.objects},
+                        {"materials", result.unused.materials},
+                        {"textures", result.unused.textures},
+                        {"images", result.unused.images}}},
                       {"film_bytes", FilmBytes(spec)},
                       {"scene_bytes", result.scene_bytes},
                       {"notes", result.notes},

@@ -4,6 +4,7 @@
 
 #include "cli/exit_status.h"
 #include "cli/scene_images.h"
+#include "cli/scene_summary.h"
 
 namespace strata {
 namespace {
@@ -233,6 +234,10 @@ absl::StatusOr<ResolvedJob> ResolveJob(const JobOptions& options, const LoadedSc
   job.root = loaded.path.root;
   STRATA_ASSIGN_OR_RETURN(job.spec,
                           ResolveJobSpec(options, loaded.pbrt.scene.defaults, &job.notes));
+  if (loaded.pbrt.unused.Any()) {
+    job.notes.push_back(
+        absl::StrCat("not used, so neither sent nor built: ", UnusedLine(loaded.pbrt.unused)));
+  }
   for (const SceneWarning& warning : loaded.pbrt.warnings) {
     job.warnings.push_back(WarningLine(loaded.path, warning));
   }

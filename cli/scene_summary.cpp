@@ -95,6 +95,20 @@ SceneSummary Summarize(const SceneDescription& scene) {
   return summary;
 }
 
+std::string UnusedLine(const UnusedParts& unused) {
+  std::string line;
+  const auto add = [&](uint64_t count, const char* what) {
+    if (count == 0) return;
+    absl::StrAppend(&line, line.empty() ? "" : ", ", count, " ", what, count == 1 ? "" : "s");
+  };
+  add(unused.objects, "object");
+  add(unused.materials, "material");
+  add(unused.textures, "texture");
+  if (unused.images > 0)
+    absl::StrAppend(&line, " (", unused.images, unused.images == 1 ? " image)" : " images)");
+  return line;
+}
+
 uint64_t FilmBytes(const JobSpec& spec) {
   const uint64_t pixel =
       static_cast<uint64_t>(LayoutOf(spec).Doubles()) * sizeof(double) + sizeof(PixelCounts);

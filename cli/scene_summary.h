@@ -21,6 +21,9 @@ struct SceneSummary {
   uint64_t files = 0, file_bytes = 0;
 };
 
+/// "2 objects, 1 material, 3 textures (2 images)"
+std::string UnusedLine(const UnusedParts& unused);
+
 /// Emissive shapes count among the lights as "area".
 SceneSummary Summarize(const SceneDescription& scene);
 

@@ -156,7 +156,8 @@ TEST_P(BrokenImage, IsBadInputBeforeAnythingIsSubmitted) {
 
 INSTANTIATE_TEST_SUITE_P(
     All, BrokenImage,
-    testing::Values("Texture \"paint\" \"spectrum\" \"imagemap\" \"string filename\" \"image.png\"",
+    testing::Values("Texture \"paint\" \"spectrum\" \"imagemap\" \"string filename\" \"image.png\" "
+                    "Material \"diffuse\" \"texture reflectance\" \"paint\"",
                     "LightSource \"infinite\" \"string filename\" \"image.png\""),
     [](const auto& info) { return info.index == 0 ? "Texture" : "Environment"; });
 
@@ -173,6 +174,24 @@ TEST(Check, ABrokenImageIsOneLineWhateverItsReaderSays) {
   EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
 }
 
+TEST(Check, WhatNothingUsesIsNotedAndNeedNotExist) {
+  const SceneFolder folder;
+  const std::string scene = folder.Write(
+      "scene.pbrt",
+      SceneWithImage("Texture \"a\" \"spectrum\" \"imagemap\" \"string filename\" \"gone.png\" "
+                     "MakeNamedMaterial \"idle\" \"string type\" \"diffuse\" "
+                     "\"texture reflectance\" \"a\""));
+  const CommandResult lines = RunInProcess({"check", scene});
+  EXPECT_EQ(lines.exit_status, 0) << lines.err;
+  EXPECT_NE(lines.err.find("not used, so neither sent nor built: 1 material, 1 texture (1 image)"),
+            std::string::npos)
+      << lines.err;
+  const CommandResult json = RunInProcess({"check", scene, "--json"});
+  EXPECT_NE(json.out.find("\"unused\":{\"objects\":0,\"materials\":1,\"textures\":1,\"images\":1}"),
+            std::string::npos)
+      << json.out;
+}
+
 TEST(Check, AnImageWithATexelThatIsNotFiniteIsRefused) {
   const SceneFolder folder;
   std::string pixels;
@@ -184,7 +203,8 @@ TEST(Check, AnImageWithATexelThatIsNotFiniteIsRefused) {
   const std::string image = folder.Write("paint.pfm", "PF\n2 1\n-1.0\n" + pixels);
   const std::string scene = folder.Write(
       "scene.pbrt",
-      SceneWithImage("Texture \"a\" \"spectrum\" \"imagemap\" \"string filename\" \"paint.pfm\""));
+      SceneWithImage("Texture \"a\" \"spectrum\" \"imagemap\" \"string filename\" \"paint.pfm\" "
+                     "Material \"diffuse\" \"texture reflectance\" \"a\""));
   for (const char* command : {"render", "check"}) {
     const CommandResult result = RunInProcess({command, scene});
     EXPECT_EQ(result.exit_status, 2) << command;

@@ -152,7 +152,9 @@ INSTANTIATE_TEST_SUITE_P(
                 3, "no spectrum texture"),
         InWorld("ImageWithoutFile", "Texture \"t\" \"float\" \"imagemap\"", 2, "filename"),
         InWorld("MissingImage",
-                "Texture \"t\" \"float\" \"imagemap\" \"string filename\" \"no.png\"", 2, "no.png"),
+                "Texture \"t\" \"float\" \"imagemap\" \"string filename\" \"no.png\"\n"
+                "Material \"conductor\" \"texture roughness\" \"t\" Shape \"sphere\"",
+                2, "no.png"),
         InWorld("BadEncoding",
                 "Texture \"t\" \"float\" \"imagemap\" \"string filename\" \"scene.pbrt\" \"string "
                 "encoding\" \"gamma x\"",

@@ -203,14 +203,13 @@ TEST(Tokens, MayStandWithoutSpaceAndBesideComments) {
 
 TEST(Materials, HavePbrtsDefaults) {
   const PbrtScene scene = World(R"(
-    Material "conductor"
-    Material "dielectric"
-    Material "coateddiffuse"
-    Material "coatedconductor"
-    Material "diffusetransmission"
-    Material "thindielectric"
-    Material ""
-    Shape "sphere")");
+    Material "conductor" Shape "sphere"
+    Material "dielectric" Shape "sphere"
+    Material "coateddiffuse" Shape "sphere"
+    Material "coatedconductor" Shape "sphere"
+    Material "diffusetransmission" Shape "sphere"
+    Material "thindielectric" Shape "sphere"
+    Material "" Shape "sphere")");
   const auto conductor = MaterialOf<ConductorMaterial>(scene, 1);
   EXPECT_NEAR(Constant(scene, conductor.k).r, 3.2, 0.4);  // copper
   EXPECT_EQ(conductor.reflectance, kNoTexture);
@@ -226,14 +225,16 @@ TEST(Materials, HavePbrtsDefaults) {
   EXPECT_EQ(Constant(scene, leaf.transmittance), Rgb::Gray(0.25f));
   EXPECT_EQ(MaterialOf<ThinDielectricMaterial>(scene, 6).eta, 1.5f);
   MaterialOf<InterfaceMaterial>(scene, 7);
-  EXPECT_EQ(scene.scene.shapes.at(0).material, 7);
+  EXPECT_EQ(scene.scene.shapes.at(6).material, 7);
   EXPECT_TRUE(scene.warnings.empty());
 }
 
 TEST(Materials, TakeOneRoughnessForBothDirections) {
   const PbrtScene scene = World(R"(
     Material "conductor" "float roughness" 0.2 "float vroughness" 0.3 "bool remaproughness" false
-    Material "coatedconductor" "float interface.roughness" 0.1 "float conductor.uroughness" 0.4)");
+    Shape "sphere"
+    Material "coatedconductor" "float interface.roughness" 0.1 "float conductor.uroughness" 0.4
+    Shape "sphere")");
   const Roughness roughness = MaterialOf<ConductorMaterial>(scene).roughness;
   EXPECT_FLOAT_EQ(Constant(scene, roughness.u).r, 0.2f);
   EXPECT_FLOAT_EQ(Constant(scene, roughness.v).r, 0.3f);
@@ -275,9 +276,9 @@ TEST(Materials, WarnOfWhatTheyLeaveOut) {
   SceneFolder folder;
   folder.Write("bumps.png", "");
   folder.Write("scene.pbrt", R"(WorldBegin
-    Material "diffuse" "string normalmap" "bumps.png"
-    Material "dielectric" "spectrum eta" "glass-F11"
-    Material "coateddiffuse" "float g" 0.5 "integer nsamples" 4)");
+    Material "diffuse" "string normalmap" "bumps.png" Shape "sphere"
+    Material "dielectric" "spectrum eta" "glass-F11" Shape "sphere"
+    Material "coateddiffuse" "float g" 0.5 "integer nsamples" 4 Shape "sphere")");
   const absl::StatusOr<PbrtScene> scene = folder.Read();
   ASSERT_TRUE(scene.ok()) << scene.status();
   ASSERT_EQ(scene->warnings.size(), 3u);
@@ -300,7 +301,10 @@ TEST(Textures, AreReadWithAllTheirParameters) {
     Texture "scaled" "spectrum" "scale" "texture tex" "image" "texture scale" "same name"
     Texture "mixed" "float" "mix" "float tex1" 2 "texture amount" "same name"
     Translate 1 0 0
-    Texture "cubes" "spectrum" "checkerboard" "integer dimension" 3 "texture tex1" "scaled")");
+    Texture "cubes" "spectrum" "checkerboard" "integer dimension" 3 "texture tex1" "scaled"
+    Material "diffuse" "texture reflectance" "cubes" Shape "sphere"
+    Material "diffuse" "texture reflectance" "same name" Shape "sphere"
+    Material "conductor" "texture roughness" "mixed" Shape "sphere")");
   const absl::StatusOr<PbrtScene> scene = folder.Read();
   ASSERT_TRUE(scene.ok()) << scene.status();
   const auto& textures = scene->scene.textures;
@@ -319,7 +323,8 @@ TEST(Textures, AreReadWithAllTheirParameters) {
   const auto scaled = std::get<ScaleTexture>(textures.at(4));
   EXPECT_EQ(scaled.texture, 1);
   EXPECT_EQ(scaled.scale, 2);
-  const auto cubes = std::get<CheckerboardTexture>(textures.back());
+  const auto cubes = std::get<CheckerboardTexture>(
+      textures.at(static_cast<size_t>(MaterialOf<DiffuseMaterial>(*scene).reflectance)));
   EXPECT_TRUE(cubes.solid);
   EXPECT_EQ(cubes.world_to_texture, Transform::Translate(-1, 0, 0));
   EXPECT_EQ(cubes.a, 4);
@@ -368,7 +373,7 @@ TEST(AreaLights, GiveTheirRadianceToTheShapesOfTheirScope) {
     Shape "sphere"
     AreaLightSource "diffuse" "rgb L" [ 0 0 0 ]
     Shape "sphere"
-    ObjectBegin "o" AreaLightSource "diffuse" Shape "disk" ObjectEnd)");
+    ObjectBegin "o" AreaLightSource "diffuse" Shape "disk" ObjectEnd ObjectInstance "o")");
   const auto& shapes = scene.scene.shapes;
   ASSERT_EQ(shapes.size(), 5u);
   EXPECT_EQ(shapes[0].emission->radiance, (Rgb{2, 4, 6}));

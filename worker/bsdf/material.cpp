@@ -4,40 +4,10 @@
 #include <cmath>
 #include <utility>
 
+#include "worker/scene/references.h"
+
 namespace strata {
 namespace {
-
-/// Every texture a material names, in no particular order.
-std::vector<TextureId> TexturesOf(const MaterialDescription& material) {
-  struct Visitor {
-    std::vector<TextureId> operator()(const DiffuseMaterial& m) { return {m.reflectance}; }
-    std::vector<TextureId> operator()(const ConductorMaterial& m) {
-      return {m.eta, m.k, m.reflectance, m.roughness.u, m.roughness.v};
-    }
-    std::vector<TextureId> operator()(const DielectricMaterial& m) {
-      return {m.roughness.u, m.roughness.v};
-    }
-    std::vector<TextureId> operator()(const ThinDielectricMaterial&) { return {}; }
-    std::vector<TextureId> operator()(const CoatedDiffuseMaterial& m) {
-      return {m.reflectance, m.roughness.u, m.roughness.v, m.albedo};
-    }
-    std::vector<TextureId> operator()(const CoatedConductorMaterial& m) {
-      return {m.interface_roughness.u,
-              m.interface_roughness.v,
-              m.conductor_roughness.u,
-              m.conductor_roughness.v,
-              m.eta,
-              m.k,
-              m.reflectance};
-    }
-    std::vector<TextureId> operator()(const DiffuseTransmissionMaterial& m) {
-      return {m.reflectance, m.transmittance};
-    }
-    std::vector<TextureId> operator()(const MixMaterial& m) { return {m.amount}; }
-    std::vector<TextureId> operator()(const InterfaceMaterial&) { return {}; }
-  };
-  return std::visit(Visitor{}, material);
-}
 
 /// Mixes, whose parts are not asked, are taken for what may be turned.
 bool IsIsotropicMaterial(const MaterialDescription& material) {
@@ -207,13 +177,12 @@ absl::StatusOr<std::unique_ptr<MaterialSet>> MaterialSet::Build(
   }
   set->materials_ = std::move(materials);
   for (const MaterialDescription& material : set->materials_) {
-    const std::vector<TextureId> used = TexturesOf(material);
     Entry entry;
     entry.isotropic = IsIsotropicMaterial(material);
-    entry.constant = !std::holds_alternative<MixMaterial>(material) &&
-                     std::all_of(used.begin(), used.end(), [&](TextureId id) {
-                       return id == kNoTexture || textures.IsConstant(id);
-                     });
+    entry.constant = !std::holds_alternative<MixMaterial>(material);
+    ForEachTexture(material, [&](TextureId id) {
+      if (id != kNoTexture && !textures.IsConstant(id)) entry.constant = false;
+    });
     if (entry.constant)
       entry.bsdf = std::visit(Lookup{textures, set->coats_, set->trapped_light_, {}, {}}, material);
     set->entries_.push_back(entry);

@@ -31,11 +31,23 @@ ReadContext::ReadContext(const FileSource& source, const std::string& scene_path
 
 absl::StatusOr<std::string> ReadContext::AddFile(std::string_view name,
                                                  const SourceLocation& where) {
+  STRATA_ASSIGN_OR_RETURN(std::string path, NameFile(name, where));
+  STRATA_RETURN_IF_ERROR(AddNamedFile(path, where));
+  return path;
+}
+
+absl::StatusOr<std::string> ReadContext::NameFile(std::string_view name,
+                                                  const SourceLocation& where) const {
   absl::StatusOr<std::string> path = ResolveBundlePath(directory_, name);
   if (!path.ok()) return Annotate(path.status(), where.ToString());
-  STRATA_RETURN_IF_ERROR(Locate(*path, where).status());
-  files.insert(*path);
   return path;
+}
+
+absl::Status ReadContext::AddNamedFile(const std::string& bundle_path,
+                                       const SourceLocation& where) {
+  STRATA_RETURN_IF_ERROR(Locate(bundle_path, where).status());
+  files.insert(bundle_path);
+  return absl::OkStatus();
 }
 
 absl::StatusOr<std::filesystem::path> ReadContext::Locate(const std::string& bundle_path,

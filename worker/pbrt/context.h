@@ -40,6 +40,10 @@ class ReadContext {
   /// The bundle path of a file the scene names. The file becomes one the scene needs. Errors are
   /// located at `where` and say whether it is missing or outside the root.
   absl::StatusOr<std::string> AddFile(std::string_view name, const SourceLocation& where);
+  /// The same for a file that becomes one the scene needs, if ever, by AddNamedFile.
+  absl::StatusOr<std::string> NameFile(std::string_view name, const SourceLocation& where) const;
+  /// `bundle_path` is of NameFile.
+  absl::Status AddNamedFile(const std::string& bundle_path, const SourceLocation& where);
   /// A local path of a file that AddFile has named.
   absl::StatusOr<std::filesystem::path> Locate(const std::string& bundle_path,
                                                const SourceLocation& where) const;

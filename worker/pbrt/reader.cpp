@@ -18,9 +18,15 @@ absl::StatusOr<PbrtScene> ReadPbrt(const FileSource& source, const std::string& 
   ReadContext context(source, scene_path);
   context.files.insert(scene_path);
   STRATA_RETURN_IF_ERROR(SceneParser(context).ParseFile(scene_path));
+  const UnusedParts unused = RemoveUnused(&context.scene);
+  for (const TextureDescription& texture : context.scene.textures) {
+    if (const auto* image = std::get_if<ImageTexture>(&texture))
+      STRATA_RETURN_IF_ERROR(context.AddNamedFile(image->path, image->where));
+  }
   return PbrtScene{std::move(context.scene),
                    context.warnings.Take(),
-                   {context.files.begin(), context.files.end()}};
+                   {context.files.begin(), context.files.end()},
+                   unused};
 }
 
 absl::StatusOr<Bundle> MakeBundle(const FileSource& source, const std::string& scene_path,

@@ -6,6 +6,7 @@
 #include "common/bundle.h"
 #include "worker/scene/description.h"
 #include "worker/scene/file_source.h"
+#include "worker/scene/unused.h"
 
 namespace strata {
 
@@ -14,7 +15,8 @@ struct PbrtScene {
   SceneDescription scene;
   std::vector<SceneWarning> warnings;  ///< In file order; repeated ones are told once with a count.
   std::vector<std::string>
-      files;  ///< Bundle paths of all files the scene needs, sorted, itself included.
+      files;           ///< Bundle paths of all files the scene needs, sorted, itself included.
+  UnusedParts unused;  ///< What the file has beyond that: neither in `scene` nor in `files`.
 };
 
 /// Reads the pbrt-v4 file `scene_path` (a bundle path) and all it includes. PLY meshes are loaded;

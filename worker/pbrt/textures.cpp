@@ -149,7 +149,8 @@ std::optional<ImageTexture> TextureTable::ReadImage(ParameterReader& parameters,
     parameters.Fail(parameters.where(), "an imagemap wants a \"string filename\"");
     return std::nullopt;
   }
-  absl::StatusOr<std::string> path = context_.AddFile(name, parameters.where());
+  image.where = parameters.where();
+  absl::StatusOr<std::string> path = context_.NameFile(name, image.where);
   if (!path.ok()) {
     parameters.Fail(path.status());
     return std::nullopt;

@@ -45,7 +45,8 @@ struct ConstantTexture {
   Rgb value;
 };
 struct ImageTexture {
-  std::string path;  ///< In the bundle. Row 0 of the image is at t = 1.
+  SourceLocation where;  ///< That names the image.
+  std::string path;      ///< In the bundle. Row 0 of the image is at t = 1.
   UvMapping mapping;
   ImageWrap wrap = ImageWrap::kRepeat;
   ImageEncoding encoding = ImageEncoding::kSrgb;

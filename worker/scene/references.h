@@ -1,0 +1,77 @@
+#pragma once
+
+#include <type_traits>
+#include <variant>
+
+#include "worker/scene/description.h"
+
+// Which ids the parts of a description hold. ForEach... call f with a reference to each, kNoTexture
+// among them, in no particular order; const parts give const references.
+
+namespace strata {
+
+template <typename Material, typename F>
+void ForEachTexture(Material& material, F f) {
+  const auto roughness = [&](auto& r) {
+    f(r.u);
+    f(r.v);
+  };
+  std::visit(
+      [&](auto& m) {
+        using M = std::remove_cvref_t<decltype(m)>;
+        if constexpr (std::is_same_v<M, DiffuseMaterial>) {
+          f(m.reflectance);
+        } else if constexpr (std::is_same_v<M, ConductorMaterial>) {
+          f(m.eta);
+          f(m.k);
+          f(m.reflectance);
+          roughness(m.roughness);
+        } else if constexpr (std::is_same_v<M, DielectricMaterial>) {
+          roughness(m.roughness);
+        } else if constexpr (std::is_same_v<M, CoatedDiffuseMaterial>) {
+          f(m.reflectance);
+          roughness(m.roughness);
+          f(m.albedo);
+        } else if constexpr (std::is_same_v<M, CoatedConductorMaterial>) {
+          roughness(m.interface_roughness);
+          roughness(m.conductor_roughness);
+          f(m.eta);
+          f(m.k);
+          f(m.reflectance);
+        } else if constexpr (std::is_same_v<M, DiffuseTransmissionMaterial>) {
+          f(m.reflectance);
+          f(m.transmittance);
+        } else if constexpr (std::is_same_v<M, MixMaterial>) {
+          f(m.amount);
+        } else {
+          static_assert(std::is_same_v<M, ThinDielectricMaterial> ||
+                        std::is_same_v<M, InterfaceMaterial>);
+        }
+      },
+      material);
+}
+
+/// Of the textures that a texture is made of.
+template <typename Texture, typename F>
+void ForEachInput(Texture& texture, F f) {
+  std::visit(
+      [&](auto& t) {
+        using T = std::remove_cvref_t<decltype(t)>;
+        if constexpr (std::is_same_v<T, ScaleTexture>) {
+          f(t.texture);
+          f(t.scale);
+        } else if constexpr (std::is_same_v<T, MixTexture>) {
+          f(t.a);
+          f(t.b);
+          f(t.amount);
+        } else if constexpr (std::is_same_v<T, CheckerboardTexture>) {
+          f(t.a);
+          f(t.b);
+        } else {
+          static_assert(std::is_same_v<T, ConstantTexture> || std::is_same_v<T, ImageTexture>);
+        }
+      },
+      texture);
+}
+
+}  // namespace strata
