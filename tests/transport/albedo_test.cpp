@@ -185,7 +185,7 @@ TEST_P(Albedo, IsSeenUnderAConstantSky) {
         IntegrateSphere([&](Vec3f wi) { return Eval(surface.bsdf, wo, wi).g; });
     const double truth = kSky * (scattered + surface.delta(theta.cos));
     // One bounce: what the sky sends off the surface.
-    ExpectMean(RenderFrame(SquareUnderTheSky(surface, wo), TestSpec(16, 256, 1)), truth);
+    ExpectMean(RenderFrame(SquareUnderTheSky(surface, wo), TestSpec(16, 512, 1)), truth);
   }
 }
 

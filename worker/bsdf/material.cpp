@@ -10,8 +10,13 @@ namespace strata {
 namespace {
 
 /// Mixes, whose parts are not asked, are taken for what may be turned.
-bool IsIsotropicMaterial(const MaterialDescription& material) {
-  const auto even = [](const Roughness& roughness) { return roughness.u == roughness.v; };
+bool IsIsotropicMaterial(const MaterialDescription& material, const TextureSet& textures) {
+  const auto even = [&](const Roughness& roughness) {
+    const TextureId u = roughness.u, v = roughness.v;
+    if (u == v) return true;
+    const auto constant = [&](TextureId id) { return id != kNoTexture && textures.IsConstant(id); };
+    return constant(u) && constant(v) && textures.Eval(u, {}, {}) == textures.Eval(v, {}, {});
+  };
   if (const auto* m = std::get_if<ConductorMaterial>(&material)) return even(m->roughness);
   if (const auto* m = std::get_if<DielectricMaterial>(&material)) return even(m->roughness);
   if (const auto* m = std::get_if<CoatedDiffuseMaterial>(&material)) return even(m->roughness);
@@ -178,7 +183,7 @@ absl::StatusOr<std::unique_ptr<MaterialSet>> MaterialSet::Build(
   set->materials_ = std::move(materials);
   for (const MaterialDescription& material : set->materials_) {
     Entry entry;
-    entry.isotropic = IsIsotropicMaterial(material);
+    entry.isotropic = IsIsotropicMaterial(material, textures);
     entry.constant = !std::holds_alternative<MixMaterial>(material);
     ForEachTexture(material, [&](TextureId id) {
       if (id != kNoTexture && !textures.IsConstant(id)) entry.constant = false;
