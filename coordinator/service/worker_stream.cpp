@@ -37,6 +37,8 @@ absl::Status WorkerStream::Serve(std::string* worker) {
     }
     if (hello != nullptr) {
       *worker = farm_.Connect(*hello, shared_from_this(), Now());
+      MutexLock lock(mutex_);
+      worker_ = *worker;
     } else {
       // A chunk that does not complete its partial still tells that the worker lives.
       farm_.Receive(*worker, received ? *std::move(received) : Heartbeat{}, Now());
@@ -104,7 +106,29 @@ bool WorkerStream::Ended() const {
   return ended_;
 }
 
+/// Whether the message just read was a heartbeat, and is done with.
+bool WorkerStream::TakeHeartbeat() {
+  if (!read_.has_heartbeat()) return false;
+  std::string worker;
+  {
+    MutexLock lock(mutex_);
+    if (worker_.empty() || finished_ || outbox_.size() >= kOutboxLimit) return false;
+    worker = worker_;
+  }
+  // Unlocked, since the farm may send. Still counted as reading, so nobody else touches read_.
+  farm_.Receive(worker, Heartbeat{}, Now());
+  MutexLock lock(mutex_);
+  if (finished_) {
+    reading_ = false;
+    changed_.NotifyAll();
+  } else {
+    StartRead(&read_);
+  }
+  return true;
+}
+
 void WorkerStream::OnReadDone(bool ok) {
+  if (ok && TakeHeartbeat()) return;
   MutexLock lock(mutex_);
   reading_ = false;
   (ok ? message_waits_ : reads_ended_) = true;

@@ -17,6 +17,8 @@ namespace strata {
 /// gRPC's few callback threads must not; so each stream has a thread of its own that takes messages
 /// from a place for one, and a read is armed only while that place is empty. What a worker sends
 /// beyond that waits in its own buffers (HTTP/2 flow control). Writes are queued; one is in flight.
+/// Heartbeats, all that idle workers say, are taken in by gRPC's thread: waking the stream's for
+/// them would be most of what they cost.
 class WorkerStream final
     : public grpc::ServerBidiReactor<v1::WorkerMessage, v1::CoordinatorMessage>,
       public WorkerLink,
@@ -41,6 +43,7 @@ class WorkerStream final
 
   absl::Status Serve(std::string* worker);
   std::optional<v1::WorkerMessage> TakeMessage();
+  bool TakeHeartbeat();
   void Finish(const absl::Status& status);
   void WriteNext() STRATA_REQUIRES(mutex_);
   void FinishLocked(const absl::Status& status) STRATA_REQUIRES(mutex_);
@@ -50,6 +53,7 @@ class WorkerStream final
   CondVar changed_;
   v1::WorkerMessage read_;        ///< gRPC's while reading_, the place for one message otherwise.
   v1::CoordinatorMessage write_;  ///< gRPC's while writing_.
+  std::string worker_ STRATA_GUARDED_BY(mutex_);  ///< Its id; empty before its hello.
   std::deque<ToWorker> outbox_ STRATA_GUARDED_BY(mutex_);
   bool reading_ STRATA_GUARDED_BY(mutex_) = false;
   bool message_waits_ STRATA_GUARDED_BY(mutex_) = false;

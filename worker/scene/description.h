@@ -45,8 +45,7 @@ struct ConstantTexture {
   Rgb value;
 };
 struct ImageTexture {
-  SourceLocation where;  ///< That names the image.
-  std::string path;      ///< In the bundle. Row 0 of the image is at t = 1.
+  std::string path;  ///< In the bundle. Row 0 of the image is at t = 1.
   UvMapping mapping;
   ImageWrap wrap = ImageWrap::kRepeat;
   ImageEncoding encoding = ImageEncoding::kSrgb;
@@ -55,6 +54,7 @@ struct ImageTexture {
   bool invert = false;   ///< 1 - value, after `scale` (as pbrt: clamped at 0).
   bool nearest = false;  ///< No filtering ("point"); bilinear otherwise.
   bool scalar = false;   ///< A float texture: the mean of the channels in all of r, g, b.
+  SourceLocation where;  ///< That names the image.
 };
 struct ScaleTexture {
   TextureId texture = kNoTexture, scale = kNoTexture;
