@@ -155,5 +155,22 @@ TEST(BsdfSampling, NothingIsNegativeOrNotANumber) {
   }
 }
 
+/// Both at once are the two one by one.
+TEST(BsdfValueTest, IsEvalAndPdf) {
+  TestRandom random(5);
+  for (const BsdfCase& c : AllBsdfCases()) {
+    for (int i = 0; i < 1000; ++i) {
+      const Vec3f wo = SampleUniformSphere(random.Float2());
+      // Sampled as well as any, so that sharp lobes are met.
+      const float u_lobe = random.Float();
+      const std::optional<BsdfSample> sample = Sample(c.bsdf, wo, u_lobe, random.Float2());
+      const Vec3f wi = sample && i % 2 == 0 ? sample->wi : SampleUniformSphere(random.Float2());
+      const BsdfValue both = EvalPdf(c.bsdf, wo, wi);
+      ASSERT_EQ(both.f, Eval(c.bsdf, wo, wi)) << c.name;
+      ASSERT_EQ(both.pdf, Pdf(c.bsdf, wo, wi)) << c.name;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace strata
