@@ -37,6 +37,7 @@ const std::vector<Technique>& Techniques() {
       {"near rectangles by area", {.solid_angle = false}},
       {"quads as two triangles", {.quads = false}},
       {"environment by luminance", {.compensate = false}},
+      {"no guide to mirrored lamps", {.mirrors = false}},
   };
   return techniques;
 }

@@ -37,6 +37,10 @@ TestScene OneOfEach() {
   scene.Polygon({{-1, 3.5f, 0}, {1, 3.5f, 0}, {1, 3.5f, 1}, {-1, 3.5f, 1}}, black, Emits(6, true));
   scene.Polygon({{-3, 0.1f, 3}, {-2, 0.1f, 3}, {-2.5f, 2, 3}}, black, Emits(3, true));
   scene.Sphere({2, 2, 2}, 0.4f, black, Emits(5));
+  const MaterialId brass = scene.Material(ConductorMaterial{
+      .reflectance = half,
+      .roughness = {.u = scene.Texture(Rgb::Gray(0.1f)), .v = rough, .remap = false}});
+  scene.Polygon({{-3.9f, 0, -4}, {-3.9f, 4, -4}, {-3.9f, 4, 3}, {-3.9f, 0, 3}}, brass);
   float x = -2.4f;
   for (const MaterialDescription& material : {
            MaterialDescription(ConductorMaterial{.reflectance = half, .roughness = alpha}),
@@ -99,6 +103,7 @@ double AgreeingShare(const std::shared_ptr<const Scene>& scene, const JobSpec& s
 
 TEST(KernelTest, NearlyEverySampleIsTheSame) {
   const auto scene = BuildScene(OneOfEach());
+  ASSERT_FALSE(scene->mirror_images().empty());
   JobSpec spec = TestSpec(48, 64, 12);
   for (const SamplerKind sampler : {SamplerKind::kSobol, SamplerKind::kIndependent}) {
     spec.sampler = sampler;

@@ -153,6 +153,42 @@ TEST(StrategyTest, LightOptionsChangeNoMean) {
   }
 }
 
+/// So have paths with and without a guide to lamps in mirrors.
+TEST(StrategyTest, GuidesToMirrorsChangeNoMean) {
+  for (const float alpha : {0.0f, 0.05f, 0.3f}) {
+    TestScene scene;
+    const MaterialId metal = scene.Material(ConductorMaterial{
+        .reflectance = scene.Texture(Rgb::Gray(0.8f)), .roughness = Alpha(scene, alpha)});
+    const TextureId half = scene.Texture(Rgb::Gray(0.5f));
+    scene.Polygon({{-3, 0, -3}, {-3, 0, 3}, {3, 0, 3}, {3, 0, -3}}, scene.Diffuse(0.6f));
+    scene.Polygon(
+        {{2, 0, -3}, {2, 0, 3}, {2, 3, 3}, {2, 3, -3}},
+        scene.Material(CoatedDiffuseMaterial{
+            .reflectance = half, .roughness = Alpha(scene, 0.3f), .albedo = scene.Texture({})}));
+    scene.Polygon({{-2, 0.2f, 1}, {-2, 2, 1}, {-0.5f, 2, 2}, {-0.5f, 0.2f, 2}}, metal);
+    scene.Sphere({0, 1.5f, -1}, 0.1f, scene.Diffuse(0.0f), Emits(80));
+    // Keeps the lamp's own light off most of the floor.
+    scene.Polygon({{-1, 1, -2}, {1, 1, -2}, {1, 1, 0}, {-1, 1, 0}}, scene.Diffuse(0.3f));
+    scene.Camera({0, 0.9f, -2.9f}, {0, -0.3f, 0.5f}, 60);
+    const auto mean = [&](bool mirrors, uint64_t seed) {
+      JobSpec spec = TestSpec(24, 4096, 5);
+      spec.seed = seed;
+      const auto built = BuildScene(scene, DirectorySource("."), {.mirrors = mirrors});
+      EXPECT_EQ(built->mirror_images().empty(), !mirrors);
+      return FrameMean(RenderFrame(built, spec), 1);
+    };
+    const Estimate with = mean(true, 30), without = mean(false, 31);
+    EXPECT_TRUE(Agree(with, without)) << alpha << ": " << with.mean << " +- " << with.standard_error
+                                      << ", " << without.mean << " +- " << without.standard_error;
+    // Without the guide little is known of a mirror's light; it gains nothing of broad reflections.
+    const double control = alpha == 0 ? 1.15 : 1.03;
+    EXPECT_FALSE(Agree({with.mean * control, with.standard_error}, without));
+    if (alpha < 0.1f) {
+      EXPECT_LT(with.standard_error, 0.7 * without.standard_error);
+    }
+  }
+}
+
 TEST(StrategyTest, AgreeInsideASphereLight) {
   TestScene scene;
   scene.Sphere({0.2f, 0.1f, 0}, 1, scene.Diffuse(0.4f), Emits(1, true), true);

@@ -3,6 +3,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <variant>
@@ -68,6 +69,13 @@ struct Emitter {
   float area = 0;  ///< World.
 };
 
+/// Two triangles of one shape that make a rectangle, in world space.
+struct FlatRectangle {
+  Vec3f corner, unit1, unit2;  ///< Unit vectors along the edges.
+  float length1 = 0, length2 = 0;
+  MaterialId material = 0;
+};
+
 /// A point chosen on an emitter.
 struct EmitterPoint {
   Vec3f p, p_error, ng;
@@ -95,6 +103,10 @@ class Geometry {
   EmitterPoint SampleEmitter(const OtherEmitter& emitter, Vec2f u) const;
   /// The density, per unit of world area, with which SampleEmitter finds `p` on the emitter.
   float EmitterPdfArea(const OtherEmitter& emitter, Vec3f p) const;
+
+  /// The rectangles of materials that `wanted` accepts; not those in instances, nor bilinear
+  /// patches.
+  std::vector<FlatRectangle> Rectangles(const std::function<bool(MaterialId)>& wanted) const;
 
   struct Bounds {
     Vec3f min, max;

@@ -6,6 +6,7 @@
 #include "worker/bsdf/bsdf.h"
 #include "worker/integrator/direct_strategy.h"
 #include "worker/light/light_set.h"
+#include "worker/light/mirror_guide.h"
 #include "worker/sampling/sampler.h"
 #include "worker/sampling/warp.h"
 #include "worker/scene/scene.h"
@@ -123,6 +124,7 @@ class PathTracer {
       if (depth == 0) DescribeFirstHit(vertex);
       if (last) break;
 
+      StartGuide(depth, vertex);
       AddDirectLight(depth, vertex);
       if (!Scatter(depth, vertex, &ray) || !SurvivesRoulette(depth)) break;
     }
@@ -191,6 +193,16 @@ class PathTracer {
     if (settings_.features) result_.albedo = Albedo(*vertex.bsdf, vertex.wo);
   }
 
+  /// Guides lead to a reflector and on to a lamp: two bounces more.
+  void StartGuide(int depth, const PathVertex& vertex) {
+    const MirrorImages& images = scene_.mirror_images();
+    guided_ = !images.empty() && settings_.direct == DirectStrategy::kMis &&
+              depth + 1 < settings_.max_depth && IsWorthGuiding(*vertex.bsdf);
+    if (!guided_) return;
+    guide_.Start(images, ReceiverAt(vertex));
+    guided_ = guide_.share() > 0;
+  }
+
   void AddDirectLight(int depth, const PathVertex& vertex) {
     const LightSet& lights = scene_.lights();
     if (lights.empty() || settings_.direct == DirectStrategy::kBsdfOnly || IsDelta(*vertex.bsdf))
@@ -211,6 +223,7 @@ class PathTracer {
     const float light_pdf = light->pdf * direct.choice.probability;
     if (!light->delta && settings_.direct == DirectStrategy::kMis) {
       direct.bsdf_pdf = Pdf(*vertex.bsdf, vertex.wo, wi);
+      if (guided_) direct.bsdf_pdf = guide_.MixedPdf(direct.bsdf_pdf, light->wi);
       direct.weight = PowerHeuristic(light_pdf, direct.bsdf_pdf);
     }
     ++result_.rays;
@@ -223,8 +236,11 @@ class PathTracer {
 
   /// Chooses the next direction. False when the path ends here.
   bool Scatter(int depth, const PathVertex& vertex, Ray* ray) {
+    const float u_lobe = Get2D(depth, kPairLobe).x;
+    const Vec2f u = Get2D(depth, kPairBsdf);
     const std::optional<BsdfSample> sample =
-        Sample(*vertex.bsdf, vertex.wo, Get2D(depth, kPairLobe).x, Get2D(depth, kPairBsdf));
+        guided_ ? SampleGuided(*vertex.bsdf, vertex.frame, vertex.wo, guide_, u_lobe, u)
+                : Sample(*vertex.bsdf, vertex.wo, u_lobe, u);
     const Vec3f wi = sample ? vertex.frame.ToWorld(sample->wi) : Vec3f{};
     observer_.OnBsdf(sample, wi);
     if (!sample || IsBlack(sample->weight)) return false;
@@ -264,6 +280,8 @@ class PathTracer {
   float bsdf_pdf_ = 0;      ///< Of the ray's direction.
   LightReceiver previous_;  ///< The vertex the ray left.
   Bsdf bsdf_;               ///< Of the vertex, where it varies over the surface.
+  bool guided_ = false;     ///< Of the vertex: directions may come from guide_.
+  MirrorGuide guide_;
 };
 
 }  // namespace strata

@@ -97,6 +97,7 @@ class PathLanes {
     MakeBsdfs(hits, going);
     going &= ~last;
     if (!Any(going)) return alive;
+    StartGuides(going);
     AddDirectLight(going);
     going = Scatter(going);
     going = SurviveRoulette(going);
@@ -183,6 +184,17 @@ class PathLanes {
     if (settings_.features) sample.albedo = Albedo(bsdf, frame_.Get(lane).ToLocal(wo));
   }
 
+  void StartGuides(MaskLanes mask) {
+    const MirrorImages& images = scene_.mirror_images();
+    if (images.empty()) return;
+    guided_ = MaskLanes{};
+    ForEachLane(mask & (depth_ + 1 < settings_.max_depth), [&](int lane) {
+      if (!lambertian_[lane] && !IsWorthGuiding(*bsdf_[lane])) return;
+      guides_[lane].Start(images, receiver_.Get(lane));
+      guided_[lane] = guides_[lane].share() > 0 ? -1 : 0;
+    });
+  }
+
   MaskLanes SidesAgree(Vec3Lanes w, FloatLanes w_z) const { return Dot(surface_.ng, w) * w_z > 0; }
 
   void AddDirectLight(MaskLanes mask) {
@@ -218,6 +230,9 @@ class PathLanes {
     });
     mask &= ~IsBlack(f);
     if (!Any(mask)) return;
+    ForEachLane(mask & guided_, [&](int lane) {
+      bsdf_pdf[lane] = guides_[lane].MixedPdf(bsdf_pdf[lane], sample.wi.Get(lane));
+    });
     const FloatLanes light_pdf = sample.pdf * probability;
     const FloatLanes weight = sample.delta ? SameFloat(1) : PowerHeuristic(light_pdf, bsdf_pdf);
     rays_ -= mask;
@@ -238,12 +253,13 @@ class PathLanes {
     specular_ = MaskLanes{};
     bsdf_pdf_ = Max(FloatLanes{}, wi.z) * kInvPi;
     wi.z = wo_z_ < 0 ? -wi.z : wi.z;
-    MaskLanes going = mask & (~lambertian_ | ((wo_z_ * wi.z > 0) & ~IsBlack(reflectance_)));
-    if (const MaskLanes others = mask & ~lambertian_; Any(others)) {
+    const MaskLanes others = mask & (~lambertian_ | guided_);
+    MaskLanes going = mask & (others | ((wo_z_ * wi.z > 0) & ~IsBlack(reflectance_)));
+    if (Any(others)) {
       const FloatLanes u_lobe = Get2D(kPairLobe, others).x;
       ForEachLane(others, [&](int lane) {
         const std::optional<BsdfSample> sample =
-            Sample(*bsdf_[lane], wo_[lane], u_lobe[lane], {u.x[lane], u.y[lane]});
+            SampleOf(lane, u_lobe[lane], {u.x[lane], u.y[lane]});
         if (!sample || IsBlack(sample->weight)) {
           going[lane] = 0;
           return;
@@ -260,6 +276,15 @@ class PathLanes {
     ray_.origin = OffsetRayOrigins(surface_.p, surface_.offset, surface_.ng, ray_.direction);
     previous_ = receiver_;
     return going & SidesAgree(ray_.direction, wi.z);
+  }
+
+  std::optional<BsdfSample> SampleOf(int lane, float u_lobe, Vec2f u) const {
+    if (!guided_[lane]) return Sample(*bsdf_[lane], wo_[lane], u_lobe, u);
+    const Frame frame = frame_.Get(lane);
+    if (!lambertian_[lane])
+      return SampleGuided(*bsdf_[lane], frame, wo_[lane], guides_[lane], u_lobe, u);
+    const DiffuseBsdf diffuse = {reflectance_.Get(lane)};
+    return SampleGuided(diffuse, frame, {0, 0, wo_z_[lane]}, guides_[lane], u_lobe, u);
   }
 
   MaskLanes SurviveRoulette(MaskLanes mask) {
@@ -304,6 +329,8 @@ class PathLanes {
   std::array<const Bsdf*, kLanes> bsdf_ = {};
   std::array<Vec3f, kLanes> wo_;      ///< Local; not of Lambertian lanes.
   std::array<Bsdf, kLanes> varying_;  ///< BSDFs that are not the same over the surface.
+  MaskLanes guided_ = {};             ///< Directions may come from guides_.
+  std::array<MirrorGuide, kLanes> guides_;
 };
 
 }  // namespace strata

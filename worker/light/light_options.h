@@ -17,6 +17,7 @@ struct LightOptions {
   bool quads = true;        ///< Two triangles that make a parallelogram are one light.
   bool solid_angle = true;  ///< Near rectangles are sampled by solid angle.
   bool compensate = true;   ///< Environment images are sampled where they are above their mean.
+  bool mirrors = true;      ///< Paths are guided to images of lamps in metal rectangles.
 };
 
 }  // namespace strata

@@ -96,6 +96,7 @@ void LightSet::BuildTree(const std::vector<PlacedLight>& placed, LightSelection 
   if (bounds.empty()) return;
   groups_.push_back({Group::kTree, power, known ? static_cast<uint32_t>(bounds.size()) : 0u});
   tree_ = LightTree::Build(bounds, known ? selection : LightSelection::kUniform);
+  if (known && bounds.size() <= kMaxLamps) lamps_ = std::move(bounds);
 }
 
 void LightSet::FindProbabilities() {

@@ -38,6 +38,11 @@ class LightSet {
   bool SelectNeedsLowBits() const { return lights_.size() > 1; }
   float Probability(uint32_t light, const LightReceiver& receiver) const;
 
+  /// Where those lights are that shine from a place, if there are no more than kMaxLamps; else
+  /// empty.
+  static constexpr size_t kMaxLamps = 64;
+  const std::vector<LightBounds>& lamps() const { return lamps_; }
+
   /// The light that the emissive surface `surface` (SurfacePoint::light) is, or is a part of.
   uint32_t LightOfSurface(uint32_t surface) const { return light_of_surface_[surface]; }
   /// Radiance that leaves the emissive surface `surface` (SurfacePoint::light) towards `wo`.
@@ -85,6 +90,7 @@ class LightSet {
   std::vector<Place> places_;  ///< Of each light.
   LightTree tree_;
   std::vector<uint32_t> tree_lights_;  ///< By index in the tree.
+  std::vector<LightBounds> lamps_;
 };
 
 inline LightSet::Choice LightSet::Select(const LightReceiver& receiver, float u,

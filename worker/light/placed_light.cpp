@@ -1,11 +1,10 @@
 #include "worker/light/placed_light.h"
 
-#include <array>
-#include <cmath>
 #include <numbers>
 #include <optional>
 #include <utility>
 
+#include "worker/geometry/parallelogram.h"
 #include "worker/math/vec3d.h"
 
 namespace strata {
@@ -43,34 +42,23 @@ std::optional<QuadLight> QuadOf(const Emitter& a, const Emitter& b, bool solid_a
   if (!first || !second || a.radiance != b.radiance || a.two_sided != b.two_sided)
     return std::nullopt;
   if (!(Dot(first->ng, second->ng) > 1 - 1e-6f)) return std::nullopt;
-  const std::array<Vec3f, 3> p = {first->p0, first->p1, first->p2};
-  const std::array<Vec3f, 3> q = {second->p0, second->p1, second->p2};
-  for (size_t i = 0; i < 3; ++i) {
-    // The corner of the first triangle across from the common edge, which is a diagonal.
-    const Vec3f corner = p[i], s = p[(i + 1) % 3], t = p[(i + 2) % 3];
-    for (size_t j = 0; j < 3; ++j) {
-      const Vec3f u = q[(j + 1) % 3], v = q[(j + 2) % 3];
-      if (!((u == s && v == t) || (u == t && v == s))) continue;
-      const Vec3f edge1 = s - corner, edge2 = t - corner;
-      const float size = Length(edge1) + Length(edge2);
-      const Vec3f off = q[j] - (s + edge2);
-      if (!std::isfinite(size) || !(Length(off) <= 1e-6f * size)) continue;
-      QuadLight quad = {corner, edge1, edge2, first->ng};
-      // The surface itself may lie off the parallelogram by as much as its fourth corner does.
-      quad.p_error = (Abs(corner) + Abs(s) + Abs(t)) * kPointRounding + Abs(off);
-      quad.pdf_area = 1 / (a.area + b.area);
-      quad.radiance = a.radiance;
-      quad.two_sided = a.two_sided;
-      quad.length1 = Length(edge1);
-      quad.length2 = Length(edge2);
-      quad.unit1 = edge1 / quad.length1;
-      quad.unit2 = edge2 / quad.length2;
-      const bool rectangle = AbsDot(quad.unit1, quad.unit2) <= 1e-6f;
-      if (rectangle && solid_angle) quad.near2 = kNearDistance * kNearDistance * (a.area + b.area);
-      return quad;
-    }
-  }
-  return std::nullopt;
+  const std::optional<Parallelogram> shape =
+      ParallelogramOf({first->p0, first->p1, first->p2}, {second->p0, second->p1, second->p2});
+  if (!shape) return std::nullopt;
+  QuadLight quad = {shape->corner, shape->edge1, shape->edge2, first->ng};
+  // The surface itself may lie off the parallelogram by as much as its fourth corner does.
+  const Vec3f ends = Abs(quad.corner + quad.edge1) + Abs(quad.corner + quad.edge2);
+  quad.p_error = (Abs(quad.corner) + ends) * kPointRounding + Abs(shape->off);
+  quad.pdf_area = 1 / (a.area + b.area);
+  quad.radiance = a.radiance;
+  quad.two_sided = a.two_sided;
+  quad.length1 = Length(quad.edge1);
+  quad.length2 = Length(quad.edge2);
+  quad.unit1 = quad.edge1 / quad.length1;
+  quad.unit2 = quad.edge2 / quad.length2;
+  const bool rectangle = AbsDot(quad.unit1, quad.unit2) <= 1e-6f;
+  if (rectangle && solid_angle) quad.near2 = kNearDistance * kNearDistance * (a.area + b.area);
+  return quad;
 }
 
 LightBounds BoundsOf(const Light& light) {

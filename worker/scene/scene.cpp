@@ -25,6 +25,9 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Build(SceneDescription descr
   STRATA_ASSIGN_OR_RETURN(LightSet lights,
                           LightSet::Build(description, *scene->geometry_, source, options));
   scene->lights_ = std::make_unique<LightSet>(std::move(lights));
+  if (options.mirrors)
+    scene->mirror_images_ =
+        MirrorImages(*scene->geometry_, *scene->materials_, scene->lights_->lamps());
   return scene;
 }
 

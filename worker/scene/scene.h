@@ -7,6 +7,7 @@
 #include "worker/geometry/geometry.h"
 #include "worker/geometry/texture.h"
 #include "worker/light/light_set.h"
+#include "worker/light/mirror_images.h"
 #include "worker/scene/description.h"
 #include "worker/scene/file_source.h"
 
@@ -24,6 +25,7 @@ class Scene {
   const Geometry& geometry() const { return *geometry_; }
   const MaterialSet& materials() const { return *materials_; }
   const LightSet& lights() const { return *lights_; }
+  const MirrorImages& mirror_images() const { return mirror_images_; }
   const CameraDescription& camera() const { return camera_; }
   /// Where the origin of all coordinates here lies in the file's world: see Recentre.
   Vec3d origin() const { return origin_; }
@@ -39,6 +41,7 @@ class Scene {
   std::unique_ptr<TextureSet> textures_;
   std::unique_ptr<MaterialSet> materials_;
   std::unique_ptr<LightSet> lights_;
+  MirrorImages mirror_images_;
 };
 
 }  // namespace strata
