@@ -20,8 +20,6 @@ declare -A crops=(
   [coffee]="--resolution 64x80 --crop 16,30,52,62"
   [staircase2]="--resolution 64x64 --crop 4,20,40,52"
 )
-# Samples per pixel; more where single samples are most skewed.
-declare -A samples=([cornell-box]=256 [veach-mis]=512 [coffee]=256 [staircase2]=256)
 
 # measure ARGUMENT...: one run of the bench; what it misses does not stop the next.
 measure() {
@@ -44,7 +42,7 @@ fireflies() {
 shared_scene() {
   # shellcheck disable=SC2206  # Words on purpose.
   local scene=("$shared/$1/scene.pbrt" ${crops[$1]})
-  measure "${scene[@]}" --spp "${samples[$1]}" --allocation ring,ring-mse,greedy-mse,neyman,oracle \
+  measure "${scene[@]}" --spp 256 --allocation ring,ring-mse,greedy-mse,neyman,oracle \
     --renders "$renders" --truth-renders "$renders" --trials "$trials" \
     --watch-spp 4096 --watch-renders 6
   for spp in 64 128; do

@@ -39,10 +39,7 @@ bool Farm::State::MayRenderUnit(const JobRecord& job, const WorkerRecord& worker
 }
 
 double Farm::State::Served(const JobRecord& job) const {
-  double out = 0;
-  for (const auto& [id, lease] : leases.leases()) {
-    if (lease.job == job.id) out += static_cast<double>(lease.units.size());
-  }
+  const double out = static_cast<double>(leases.UnitsOut(job.id));
   const double units = static_cast<double>(job.planned_units);
   const double samples_per_unit = static_cast<double>(job.planned_samples) / units;
   // Before the first result a sample is taken to cost as much as a few rays.
@@ -71,9 +68,33 @@ void Farm::State::Dispatch(SteadyTime now) {
   for (auto& [id, job] : jobs) {
     job->queue->WidenWindow(WindowFor(job->plan->grid.Count(), static_cast<int>(workers.size())));
   }
+  std::vector<WorkerRecord*> all;
+  for (auto& [id, worker] : workers) all.push_back(worker.get());
+  GrantTo(all, now);
+}
+
+void Farm::State::DispatchTo(const std::vector<std::string>& ids, SteadyTime now) {
+  if (some_wait) return Dispatch(now);
+  std::vector<WorkerRecord*> those;
+  for (const std::string& id : ids) {
+    const auto entry = workers.find(id);
+    if (entry != workers.end()) those.push_back(entry->second.get());
+  }
+  GrantTo(those, now);
+}
+
+void Farm::State::GrantTo(const std::vector<WorkerRecord*>& those, SteadyTime now) {
+  some_wait = false;
   for (int wanted = 1; wanted <= kLeasesPerWorker; ++wanted) {
-    for (auto& [id, worker] : workers) {
-      while (leases.Count(id) < wanted && GrantNext(*worker, now)) {
+    for (WorkerRecord* worker : those) {
+      while (leases.Count(worker->id) < wanted) {
+        if (GrantNext(*worker, now)) continue;
+        // Units that become ready later are for those who may render them.
+        some_wait = some_wait || std::any_of(jobs.begin(), jobs.end(),
+                                             [&](const auto& entry) STRATA_REQUIRES(mutex) {
+                                               return MayRender(*entry.second, *worker);
+                                             });
+        break;
       }
     }
   }
@@ -110,7 +131,7 @@ bool Farm::State::GrantFrom(JobRecord& job, WorkerRecord& worker, SteadyTime now
   sizing.samples_per_unit =
       static_cast<double>(job.planned_samples) / static_cast<double>(job.planned_units);
   sizing.pending_units = job.queue->Pending();
-  sizing.workers = static_cast<int>(WorkersFor(job).size());
+  sizing.workers = static_cast<int>(workers.size());
   const uint64_t wanted = alone ? 1 : UnitsForLease(sizing);
 
   std::vector<UnitId> units;

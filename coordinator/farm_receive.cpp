@@ -139,7 +139,9 @@ bool Farm::State::MergeResult(const std::string& worker, UnitResult result,
     job.troubles.erase(unit);
     job.queue->Received(unit, added.front);
   }
+  std::vector<std::string> may_hold_more = {worker};
   for (const LeaseRecord& emptied : leases.Finish(job.id, unit)) {
+    if (emptied.worker != worker) may_hold_more.push_back(emptied.worker);
     const auto holder = workers.find(emptied.worker);
     if (emptied.worker != worker && holder != workers.end()) {
       holder->second->link->Send(CancelLease{emptied.id});
@@ -154,7 +156,7 @@ bool Farm::State::MergeResult(const std::string& worker, UnitResult result,
     job.summary_stale = true;
     job.rate.Tell(static_cast<double>(job.merged.samples), now);
   }
-  Dispatch(now);
+  DispatchTo(may_hold_more, now);
   return BeginFinish(job);
 }
 

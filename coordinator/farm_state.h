@@ -151,6 +151,8 @@ struct Farm::State {
   std::map<JobId, std::unique_ptr<JobRecord>> jobs STRATA_GUARDED_BY(mutex);
   std::map<std::string, std::unique_ptr<WorkerRecord>> workers STRATA_GUARDED_BY(mutex);
   LeaseTable leases STRATA_GUARDED_BY(mutex);
+  /// A worker that might hold more got nothing when it was last looked at.
+  bool some_wait STRATA_GUARDED_BY(mutex) = false;
   uint64_t last_worker STRATA_GUARDED_BY(mutex) = 0;
   uint64_t last_job_number STRATA_GUARDED_BY(mutex) = 0;
   SteadyTime latest STRATA_GUARDED_BY(mutex);  ///< The latest `now` seen.
@@ -187,6 +189,10 @@ struct Farm::State {
   // ---- farm_dispatch.cpp ----
   /// Leases units to all workers that may hold more, those with nothing first.
   void Dispatch(SteadyTime now) STRATA_REQUIRES(mutex);
+  /// The same where only these workers may have come to hold fewer: with thousands connected, what
+  /// a result costs must not grow with them.
+  void DispatchTo(const std::vector<std::string>& ids, SteadyTime now) STRATA_REQUIRES(mutex);
+  void GrantTo(const std::vector<WorkerRecord*>& those, SteadyTime now) STRATA_REQUIRES(mutex);
   bool GrantNext(WorkerRecord& worker, SteadyTime now) STRATA_REQUIRES(mutex);
   bool GrantFrom(JobRecord& job, WorkerRecord& worker, SteadyTime now) STRATA_REQUIRES(mutex);
   bool GrantDuplicate(WorkerRecord& worker, SteadyTime now) STRATA_REQUIRES(mutex);

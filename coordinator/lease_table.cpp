@@ -11,6 +11,7 @@ const LeaseRecord& LeaseTable::Grant(const JobId& job, const std::string& worker
   const uint64_t id = ++last_id_;
   for (const UnitId& unit : units) holders_[{job, unit}].push_back(id);
   ++count_[worker];
+  units_out_[job] += units.size();
   return leases_.emplace(id, LeaseRecord{id, job, worker, std::move(units), now}).first->second;
 }
 
@@ -20,6 +21,7 @@ std::vector<LeaseRecord> LeaseTable::Finish(const JobId& job, const UnitId& unit
   if (entry == holders_.end()) return emptied;
   const std::vector<uint64_t> holders = std::move(entry->second);
   holders_.erase(entry);
+  units_out_[job] -= holders.size();
   for (const uint64_t id : holders) {
     const auto lease = leases_.find(id);
     std::erase(lease->second.units, unit);
@@ -37,6 +39,7 @@ bool LeaseTable::GiveUp(const std::string& worker, const JobId& job, const UnitI
     const auto lease = leases_.find(id);
     if (lease->second.worker != worker) continue;
     RemoveHolder({job, unit}, id);
+    --units_out_[job];
     std::erase(lease->second.units, unit);
     if (lease->second.units.empty()) Forget(lease);
     return true;
@@ -49,7 +52,10 @@ std::vector<LeaseRecord> LeaseTable::RemoveWorker(const std::string& worker) {
 }
 
 std::vector<LeaseRecord> LeaseTable::RemoveJob(const JobId& job) {
-  return RemoveIf([&](const LeaseRecord& lease) { return lease.job == job; });
+  std::vector<LeaseRecord> removed =
+      RemoveIf([&](const LeaseRecord& lease) { return lease.job == job; });
+  units_out_.erase(job);
+  return removed;
 }
 
 std::vector<LeaseRecord> LeaseTable::RemoveIf(
@@ -61,6 +67,7 @@ std::vector<LeaseRecord> LeaseTable::RemoveIf(
     for (const UnitId& unit : current->second.units) {
       RemoveHolder({current->second.job, unit}, current->first);
     }
+    units_out_[current->second.job] -= current->second.units.size();
     removed.push_back(current->second);
     Forget(current);
   }
@@ -87,6 +94,11 @@ int LeaseTable::Count(const std::string& worker) const {
 int LeaseTable::Holders(const JobId& job, const UnitId& unit) const {
   const auto entry = holders_.find({job, unit});
   return entry == holders_.end() ? 0 : static_cast<int>(entry->second.size());
+}
+
+uint64_t LeaseTable::UnitsOut(const JobId& job) const {
+  const auto out = units_out_.find(job);
+  return out == units_out_.end() ? 0 : out->second;
 }
 
 bool LeaseTable::Holds(const std::string& worker, const JobId& job) const {

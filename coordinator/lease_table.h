@@ -43,6 +43,8 @@ class LeaseTable {
   int Count(const std::string& worker) const;
   /// How many leases hold the unit.
   int Holders(const JobId& job, const UnitId& unit) const;
+  /// Units of the job in leases; one that two hold counts twice.
+  uint64_t UnitsOut(const JobId& job) const;
   bool Holds(const std::string& worker, const JobId& job) const;
   /// Different workers that hold leases of the job.
   int Workers(const JobId& job) const;
@@ -60,6 +62,7 @@ class LeaseTable {
   std::map<uint64_t, LeaseRecord> leases_;
   absl::flat_hash_map<UnitKey, std::vector<uint64_t>> holders_;
   absl::flat_hash_map<std::string, int> count_;  ///< By worker.
+  absl::flat_hash_map<JobId, uint64_t> units_out_;
 };
 
 }  // namespace strata
