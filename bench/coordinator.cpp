@@ -22,6 +22,7 @@
 #include "cli/farm_client.h"
 #include "common/build_info.h"
 #include "common/kernel_revision.h"
+#include "common/memory.h"
 #include "common/sync.h"
 #include "common/wire/channel.h"
 #include "coordinator/service/server.h"
@@ -316,4 +317,7 @@ int Main(int argc, char** argv) {
 }  // namespace
 }  // namespace strata
 
-int main(int argc, char** argv) { return strata::Main(argc, argv); }
+int main(int argc, char** argv) {
+  strata::KeepFreedMemory();  // As strata-coordinator does.
+  return strata::Main(argc, argv);
+}

@@ -7,6 +7,7 @@
 #include <semaphore>
 
 #include "common/build_info.h"
+#include "common/memory.h"
 #include "common/termination.h"
 #include "coordinator/service/server.h"
 
@@ -86,6 +87,7 @@ int Serve(const Options& options) {
 }  // namespace strata
 
 int main(int argc, char** argv) {
+  strata::KeepFreedMemory();
   strata::BlockTerminationSignals();
   strata::Options options;
   if (const std::optional<int> status = strata::ParseOptions(argc, argv, &options)) return *status;
