@@ -14,8 +14,10 @@ namespace strata::wire {
 inline constexpr int kMaxAnswerBytes = 256 << 20;
 /// Requests to a coordinator may be this large: a job of 65536 files.
 inline constexpr int kMaxRequestBytes = 16 << 20;
-/// A peer that does not answer a ping within the second time is taken for gone.
+/// A coordinator that does not answer a ping within the second time is taken for gone.
 inline constexpr int kKeepaliveMs = 10'000, kKeepaliveTimeoutMs = 10'000;
+/// The coordinator pings less: of workers it hears by their heartbeats.
+inline constexpr int kServerKeepaliveMs = 60'000;
 
 /// A channel to HOST:PORT; does not wait for the connection. INVALID_ARGUMENT when `server` is no
 /// address; FAILED_PRECONDITION when it is another machine and `insecure` is not set.
