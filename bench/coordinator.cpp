@@ -57,7 +57,7 @@ double PartialBytes(int64_t pixels, const PixelLayout& layout) {
 struct Options {
   int workers = 4;
   double unit_ms = 0;  ///< What a unit takes to "render".
-  int edge = 1024, pieces = 16;
+  int edge = 1024, pieces = 16, tile = 64;
   int idle_workers = 1000;
   double idle_seconds = 20;
 };
@@ -245,19 +245,19 @@ class SimulatedFarm {
   std::unique_ptr<FarmClient> client_;
 };
 
-JobSpec SpecOf(int edge, int pieces) {
+JobSpec SpecOf(const Options& options) {
   JobSpec spec;
-  spec.width = spec.height = edge;
-  spec.crop = {0, 0, edge, edge};
-  spec.tile = 64;
-  spec.spp = static_cast<uint32_t>(pieces) * 32 * kReplicates;
+  spec.width = spec.height = options.edge;
+  spec.crop = {0, 0, options.edge, options.edge};
+  spec.tile = options.tile;
+  spec.spp = static_cast<uint32_t>(options.pieces) * 32 * kReplicates;
   return spec;
 }
 
 int Merge(const Options& options) {
   SimulatedFarm farm(options.workers, 0);
   farm.WaitForWorkers(static_cast<size_t>(options.workers));
-  const JobSpec spec = SpecOf(options.edge, options.pieces);
+  const JobSpec spec = SpecOf(options);
   const double cpu = CpuSeconds();
   const Clock::time_point start = Clock::now();
   if (const absl::Status status = farm.RunJob(spec); !status.ok()) {
@@ -266,8 +266,13 @@ int Merge(const Options& options) {
   }
   const double seconds = Since(start), used = CpuSeconds() - cpu;
   const double bytes = options.pieces * PartialBytes(spec.crop.Pixels(), LayoutOf(spec));
-  std::printf("%.0f MB of partials from %d workers in %.2f s, %.2f s of CPU: %.0f MB/s per core\n",
-              bytes * 1e-6, options.workers, seconds, used, bytes * 1e-6 / used);
+  const int tiles = (options.edge + options.tile - 1) / options.tile;
+  std::printf(
+      "%.0f MB of partials from %d workers in %.2f s, %.2f s of CPU: %.0f MB/s per core, %.0f us "
+      "for "
+      "a partial\n",
+      bytes * 1e-6, options.workers, seconds, used, bytes * 1e-6 / used,
+      1e6 * used / (tiles * tiles * options.pieces));
   return 0;
 }
 
@@ -286,7 +291,7 @@ int Idle(const Options& options) {
 int Gap(const Options& options) {
   SimulatedFarm farm(1, options.unit_ms);
   farm.WaitForWorkers(1);
-  const absl::Status status = farm.RunJob(SpecOf(options.edge, options.pieces));
+  const absl::Status status = farm.RunJob(SpecOf(options));
   if (status.ok()) return 0;
   std::fprintf(stderr, "%s\n", status.ToString().c_str());
   return 2;
@@ -299,6 +304,7 @@ int Main(int argc, char** argv) {
   CLI::App* merge = app.add_subcommand("merge", "partials received and merged per CPU second");
   merge->add_option("--workers", options.workers);
   merge->add_option("--edge", options.edge, "of the square frame in pixels");
+  merge->add_option("--tile", options.tile, "edge in pixels; small ones show what a partial costs");
   merge->add_option("--pieces", options.pieces, "partials of each pixel");
   CLI::App* idle = app.add_subcommand("idle", "CPU of a coordinator whose workers have no work");
   idle->add_option("--workers", options.idle_workers);

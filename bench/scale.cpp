@@ -26,9 +26,9 @@ struct Options {
   int width = 1920, height = 1080, tile = 32;
   uint32_t spp = 1024;
   int cores = 2;             ///< Of the coordinator.
-  double merge_mb_s = 300;   ///< Of partials, by each core.
+  double merge_mb_s = 550;   ///< Of partials, by each core.
   double unit_us = 100;      ///< CPU for each partial besides.
-  double worker_us = 100;    ///< CPU per second for each worker that is connected.
+  double worker_us = 70;     ///< CPU per second for each worker that is connected.
   double link_gbit_s = 10;   ///< Into the coordinator.
   double rtt_ms = 0.2;       ///< Between it and a worker.
   double spread = 0.5;       ///< Of the logarithm of what a tile's samples cost.
