@@ -93,14 +93,24 @@ TEST(LeaseTableTest, KnowsWhoHoldsWhat) {
   EXPECT_EQ(leases.Holders("j-1", a), 2);
   EXPECT_EQ(leases.Holders("j-2", a), 0);
   EXPECT_EQ(leases.Workers("j-1"), 2);
+  EXPECT_EQ(leases.UnitsOut("j-1"), 3u);
+  EXPECT_EQ(leases.UnitsOut("j-2"), 0u);
   const auto emptied = leases.Finish("j-1", a);
   ASSERT_EQ(emptied.size(), 1u) << "the other one still holds b";
   EXPECT_EQ(emptied[0].id, second);
+  EXPECT_EQ(leases.UnitsOut("j-1"), 1u);
   EXPECT_EQ(leases.Count("w-1"), 1);
   EXPECT_EQ(leases.Count("w-2"), 0);
   EXPECT_TRUE(leases.GiveUp("w-1", "j-1", b));
   EXPECT_FALSE(leases.GiveUp("w-1", "j-1", b));
   EXPECT_TRUE(leases.leases().empty());
+  EXPECT_EQ(leases.UnitsOut("j-1"), 0u);
+  leases.Grant("j-1", "w-1", {a, b}, kStart);
+  leases.Grant("j-1", "w-2", {a}, kStart);
+  leases.RemoveWorker("w-1");
+  EXPECT_EQ(leases.UnitsOut("j-1"), 1u);
+  leases.RemoveJob("j-1");
+  EXPECT_EQ(leases.UnitsOut("j-1"), 0u);
 }
 
 }  // namespace
