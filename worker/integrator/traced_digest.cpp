@@ -72,8 +72,14 @@ class DigestScene {
         .positions = {{-4, -1, 4}, {4, -1, 4}, {-4, 3, 4.5f}, {4, 3, 3.5f}},
         .patches = {{0, 1, 2, 3}},
     };
+    // Shows the lamps to points of the floor: see MirrorGuide.
+    const TriangleMeshShape mirror = {
+        .positions = {{4.9f, -1, -3}, {4.9f, 4, -3}, {4.9f, 4, 5}, {4.9f, -1, 5}},
+        .triangles = {{0, 2, 1}, {0, 3, 2}},
+    };
     auto& shapes = scene_.shapes;
     shapes.push_back(Shape(floor, 0, {0, 0, 0}));
+    shapes.push_back(Shape(mirror, 2, {0, 0, 0}));
     shapes.push_back(Shape(patch, 1, {0, 0, 0}));
     // A grid of spheres, one for each of the other materials.
     for (int material = 2; material < static_cast<int>(scene_.materials.size()); ++material) {
