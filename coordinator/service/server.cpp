@@ -69,8 +69,8 @@ void Configure(grpc::ServerBuilder& builder) {
   builder.SetMaxSendMessageSize(-1);
   // Two coordinators on one port would each get some of the workers.
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
-  // gRPC would probe the bandwidth with a ping for each heartbeat, which made up a third of what idle
-  // workers cost. In the place of a window that is found so, one that a fast link can fill.
+  // gRPC would probe the bandwidth with a ping for each heartbeat, which made up a third of what
+  // idle workers cost. In the place of a window that is found so, one that a fast link can fill.
   builder.AddChannelArgument(GRPC_ARG_HTTP2_BDP_PROBE, 0);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_STREAM_LOOKAHEAD_BYTES, 4 << 20);
   // Half-open connections are found by pings; peers may ping as often.
