@@ -38,9 +38,9 @@ class LightSet {
   bool SelectNeedsLowBits() const { return lights_.size() > 1; }
   float Probability(uint32_t light, const LightReceiver& receiver) const;
 
+  static constexpr size_t kMaxLamps = 64;
   /// Where those lights are that shine from a place, if there are no more than kMaxLamps; else
   /// empty.
-  static constexpr size_t kMaxLamps = 64;
   const std::vector<LightBounds>& lamps() const { return lamps_; }
 
   /// The light that the emissive surface `surface` (SurfacePoint::light) is, or is a part of.
