@@ -1,0 +1,23 @@
+#!/bin/bash
+# Renders the pictures of the project's own scenes, beside their files.
+#
+#   scenes/make_pictures.sh [NAME...]       folders of scenes; none: all
+#
+# Same samples, same bits: a picture changes only when the renderer or its scene does.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+strata=build/release/bin/strata
+[[ -x $strata ]] || { echo "make_pictures.sh: first build: deploy/build.sh release strata" >&2; exit 2; }
+wanted=("$@")
+
+# picture SCENE PICTURE [OPTION...]: renders scenes/SCENE to scenes/PICTURE (a .png).
+picture() {
+  local scene=$1 picture=$2 name=${1%%/*}
+  shift 2
+  ((${#wanted[@]})) && [[ " ${wanted[*]} " != *" $name "* ]] && return
+  "$strata" render "scenes/$scene" --quiet -o "scenes/$picture" "$@"
+}
+
+picture cornell-box/cornell-box.pbrt cornell-box/cornell-box.png --resolution 256x256 --spp 256
+picture textures/textures.pbrt textures/textures.png --resolution 320x180 --spp 256
