@@ -10,41 +10,31 @@
 
 namespace strata {
 
-/// The fast kernel: eight paths of one pixel side by side, a path in each lane. When one ends, its
+/// The fast kernel: eight paths side by side, a path in each lane. When one ends, its
 /// lane begins the next. What most vertices have in common (rays, triangles, Lambert's reflection,
 /// flat lights, random numbers) is done for all lanes at once, the rest lane by lane with the code
 /// of PathTracer, of which this is another form: the same estimator from the same random numbers.
 template <typename Sampler>
 class PathLanes {
  public:
-  PathLanes(const Scene& scene, const PathSettings& settings, const SampleKey& pixel)
-      : scene_(scene), settings_(settings), sampler_(pixel) {}
+  PathLanes(const Scene& scene, const PathSettings& settings)
+      : scene_(scene), settings_(settings) {}
 
-  /// Traces samples [first, last) of a pixel, of which each replicate has range.Count(), one
-  /// replicate after the other. `rays(film, lens, mask)` gives the camera rays of points of the
-  /// sampler; `store(s, lane, sample)` takes sample s, in any order.
-  /// flatten: see PathTracer::Trace.
-  template <typename CameraRays, typename Store>
-  [[gnu::flatten]] void Trace(SampleRange range, uint64_t first, uint64_t last, CameraRays rays,
-                              Store store) {
-    uint64_t next = first;
-    std::array<uint64_t, kLanes> number;
+  /// Traces samples until there are no more. `next(lane, samplers)` starts the next one in a lane
+  /// of the samplers, or is false at the end; `rays(film, lens, mask)` gives the camera rays of
+  /// points of the samplers; `store(lane, sample)` takes what a lane has found, before it starts
+  /// another. flatten: see PathTracer::Trace.
+  template <typename Next, typename CameraRays, typename Store>
+  [[gnu::flatten]] void Trace(Next next, CameraRays rays, Store store) {
     MaskLanes alive = {};
     while (true) {
       MaskLanes starting = {};
-      ForEachLane(~alive, [&](int lane) {
-        if (next == last) return;
-        starting[lane] = -1;
-        number[lane] = next;
-        sampler_.StartSample(lane, static_cast<uint32_t>(next / range.Count()),
-                             range.begin + static_cast<uint32_t>(next % range.Count()));
-        ++next;
-      });
+      ForEachLane(~alive, [&](int lane) { starting[lane] = next(lane, sampler_) ? -1 : 0; });
       if (Any(starting)) Start(starting, rays);
       alive |= starting;
       if (!Any(alive)) return;
       const MaskLanes ended = Step(alive);
-      ForEachLane(ended, [&](int lane) { store(number[lane], lane, Result(lane)); });
+      ForEachLane(ended, [&](int lane) { store(lane, Result(lane)); });
       alive &= ~ended;
     }
   }

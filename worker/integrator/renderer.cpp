@@ -42,8 +42,8 @@ namespace {
 
 /// Pixels that a thread takes at a time.
 constexpr int64_t kBlockPixels = 16;
-/// Samples of a pixel that are kept until those before them, which may end later, are added.
-constexpr uint64_t kHeldSamples = 4096;
+/// Samples that are kept until those before them, which may end later, are added.
+constexpr size_t kHeldSamples = 4096;
 /// Non-finite samples of a unit that are named.
 constexpr size_t kMaxReplays = 4;
 
@@ -100,83 +100,158 @@ absl::Status CheckUnit(const WorkUnit& unit, const JobSpec& spec) {
   return absl::OkStatus();
 }
 
-/// The samples of one pixel in one unit, one replicate after the other.
-struct PixelSamples {
-  int x = 0, y = 0;
-  SampleRange range;  ///< Not empty.
-
-  uint64_t Count() const { return uint64_t{kReplicates} * range.Count(); }
-  uint32_t Replicate(uint64_t s) const { return static_cast<uint32_t>(s / range.Count()); }
-  uint32_t Index(uint64_t s) const {
-    return range.begin + static_cast<uint32_t>(s % range.Count());
+/// Goes through the samples of pixels [pixel, end) of a unit: one pixel after the other, in each
+/// one replicate after the other.
+class SampleCursor {
+ public:
+  SampleCursor(const WorkUnit& unit, int64_t pixel, int64_t end)
+      : unit_(unit), pixel_(pixel), end_(end) {
+    StartPixel();
   }
+
+  bool AtEnd() const { return pixel_ == end_; }
+  int64_t pixel() const { return pixel_; }  ///< Row-major in the unit.
+  int x() const { return unit_.pixels.x0 + static_cast<int>(pixel_ % unit_.pixels.Width()); }
+  int y() const { return unit_.pixels.y0 + static_cast<int>(pixel_ / unit_.pixels.Width()); }
+  uint32_t replicate() const { return replicate_; }
+  uint32_t index() const { return index_; }
+  bool FirstOfReplicate() const { return index_ == range_.begin; }
+  bool LastOfReplicate() const { return index_ + 1 == range_.end; }
+  bool LastOfPixel() const { return LastOfReplicate() && replicate_ + 1 == kReplicates; }
+
+  void Advance() {
+    if (++index_ < range_.end) return;
+    index_ = range_.begin;
+    if (++replicate_ < kReplicates) return;
+    ++pixel_;
+    StartPixel();
+  }
+
+ private:
+  void StartPixel() {
+    while (pixel_ < end_ && unit_.RangeOf(pixel_).Count() == 0) ++pixel_;
+    if (AtEnd()) return;
+    range_ = unit_.RangeOf(pixel_);
+    replicate_ = 0;
+    index_ = range_.begin;
+  }
+
+  const WorkUnit& unit_;
+  int64_t pixel_, end_;
+  SampleRange range_;
+  uint32_t replicate_ = 0, index_ = 0;
 };
 
-/// Writes samples [first, last) to `values`, and returns the rays they took.
+/// A sample that has been traced and not yet added to its pixel.
+struct HeldSample {
+  PixelValue value;
+  uint32_t rays = 0;
+};
+
+/// A cursor that keeps the sampler of the replicate it stands in.
 template <typename Sampler>
-uint64_t TraceOneByOne(const Renderer::State& job, const PixelSamples& samples, uint64_t first,
-                       uint64_t last, PixelValue* values) {
-  uint64_t rays = 0;
-  SilentObserver observer;
-  for (uint64_t s = first; s < last;) {
-    const uint32_t replicate = samples.Replicate(s);
-    Sampler sampler(job.Key(samples.x, samples.y, replicate));
-    for (; s < last && samples.Replicate(s) == replicate; ++s) {
-      sampler.StartSample(samples.Index(s));
-      float weight = 1;
-      const Ray ray = job.CameraRay(samples.x, samples.y, sampler, &weight);
-      const PathSample sample = PathTracer(*job.scene, job.settings, sampler, observer).Trace(ray);
-      rays += sample.rays;
-      values[s - first] = ValueOf(job, sample, weight);
-    }
+class TracedSamples {
+ public:
+  TracedSamples(const Renderer::State& job, const SampleCursor& start)
+      : job_(job), cursor_(start), sampler_(SampleKey{}) {}
+
+  bool AtEnd() const { return cursor_.AtEnd(); }
+  /// Goes to the next sample, which is now the current one. Not at the end.
+  void Next() {
+    x_ = cursor_.x();
+    y_ = cursor_.y();
+    index_ = cursor_.index();
+    if (cursor_.FirstOfReplicate()) sampler_ = Sampler(job_.Key(x_, y_, cursor_.replicate()));
+    cursor_.Advance();
   }
-  return rays;
+  int x() const { return x_; }
+  int y() const { return y_; }
+  uint32_t index() const { return index_; }
+  Sampler& sampler() { return sampler_; }
+
+ private:
+  const Renderer::State& job_;
+  SampleCursor cursor_;
+  Sampler sampler_;
+  int x_ = 0, y_ = 0;
+  uint32_t index_ = 0;
+};
+
+/// Writes the next samples to `held`, at most kHeldSamples.
+template <typename Sampler>
+void TraceOneByOne(const Renderer::State& job, TracedSamples<Sampler>& samples,
+                   std::vector<HeldSample>& held) {
+  SilentObserver observer;
+  for (held.clear(); !samples.AtEnd() && held.size() < kHeldSamples;) {
+    samples.Next();
+    Sampler& sampler = samples.sampler();
+    sampler.StartSample(samples.index());
+    float weight = 1;
+    const Ray ray = job.CameraRay(samples.x(), samples.y(), sampler, &weight);
+    const PathSample sample = PathTracer(*job.scene, job.settings, sampler, observer).Trace(ray);
+    held.push_back({ValueOf(job, sample, weight), sample.rays});
+  }
 }
 
 template <typename Sampler>
-uint64_t TraceSideBySide(const Renderer::State& job, const PixelSamples& samples, uint64_t first,
-                         uint64_t last, PixelValue* values) {
-  uint64_t rays = 0;
+void TraceSideBySide(const Renderer::State& job, TracedSamples<Sampler>& samples,
+                     std::vector<HeldSample>& held) {
+  held.clear();
+  std::array<size_t, kLanes> place;
+  Vec2Lanes pixel;
   FloatLanes weights = {};
-  PathLanes<Sampler> lanes(*job.scene, job.settings, job.Key(samples.x, samples.y, 0));
-  lanes.Trace(
-      samples.range, first, last,
-      [&](Vec2Lanes film, auto lens, MaskLanes mask) {
-        return job.CameraRays(samples.x, samples.y, film, lens, mask, &weights);
-      },
-      [&](uint64_t s, int lane, const PathSample& sample) {
-        rays += sample.rays;
-        values[s - first] = ValueOf(job, sample, weights[lane]);
-      });
-  return rays;
+  PathLanes<Sampler>(*job.scene, job.settings)
+      .Trace(
+          [&](int lane, SamplerLanes<Sampler>& samplers) {
+            if (samples.AtEnd() || held.size() == kHeldSamples) return false;
+            samples.Next();
+            samplers.StartSample(lane, samples.sampler(), samples.index());
+            pixel.x[lane] = static_cast<float>(samples.x());
+            pixel.y[lane] = static_cast<float>(samples.y());
+            place[lane] = held.size();
+            held.emplace_back();
+            return true;
+          },
+          [&](Vec2Lanes film, auto lens, MaskLanes mask) {
+            return job.CameraRays(pixel, film, lens, mask, &weights);
+          },
+          [&](int lane, const PathSample& sample) {
+            held[place[lane]] = {ValueOf(job, sample, weights[lane]), sample.rays};
+          });
 }
 
 }  // namespace
 
 template <typename Sampler>
-void Renderer::State::RenderPixel(const WorkUnit& unit, int64_t pixel, Partial& partial,
-                                  DefectList& defects) const {
-  const PixelSamples samples = {unit.pixels.x0 + static_cast<int>(pixel % unit.pixels.Width()),
-                                unit.pixels.y0 + static_cast<int>(pixel / unit.pixels.Width()),
-                                unit.RangeOf(pixel)};
-  double* sums = &partial.values[static_cast<size_t>(pixel) * layout.Doubles()];
+void Renderer::State::RenderPixels(const WorkUnit& unit, int64_t begin, int64_t end,
+                                   Partial& partial, DefectList& defects) const {
+  SampleCursor cursor(unit, begin, end);
+  TracedSamples<Sampler> samples(*this, cursor);
+  const bool side_by_side =
+      spec.kernel == KernelKind::kFast && settings.direct == DirectStrategy::kMis;
+  std::vector<HeldSample> held;
+  held.reserve(kHeldSamples);
   PixelSum sum(layout);
-  std::vector<PixelValue> values(std::min(samples.Count(), kHeldSamples));
-  for (uint64_t first = 0, last; first < samples.Count(); first = last) {
-    last = std::min(first + kHeldSamples, samples.Count());
-    partial.rays[pixel] +=
-        spec.kernel == KernelKind::kFast && settings.direct == DirectStrategy::kMis
-            ? TraceSideBySide<Sampler>(*this, samples, first, last, values.data())
-            : TraceOneByOne<Sampler>(*this, samples, first, last, values.data());
-    for (uint64_t s = first; s < last; ++s) {
-      const uint32_t replicate = samples.Replicate(s), index = samples.Index(s);
-      if (!sum.Add(values[s - first]) && partial.nonfinite[pixel]++ == 0)
-        defects.Add({pixel, replicate, index});
-      if (index + 1 == samples.range.end) sum.FinishReplicate(static_cast<int>(replicate), sums);
+  while (!cursor.AtEnd()) {
+    if (side_by_side)
+      TraceSideBySide(*this, samples, held);
+    else
+      TraceOneByOne(*this, samples, held);
+    for (const HeldSample& sample : held) {
+      const int64_t pixel = cursor.pixel();
+      double* sums = &partial.values[static_cast<size_t>(pixel) * layout.Doubles()];
+      partial.rays[pixel] += sample.rays;
+      if (!sum.Add(sample.value) && partial.nonfinite[pixel]++ == 0)
+        defects.Add({pixel, cursor.replicate(), cursor.index()});
+      if (cursor.LastOfReplicate()) sum.FinishReplicate(static_cast<int>(cursor.replicate()), sums);
+      if (cursor.LastOfPixel()) {
+        sum.Finish(sums);
+        sum = PixelSum(layout);
+        partial.samples[pixel] = unit.RangeOf(pixel).Count();
+      }
+      cursor.Advance();
     }
   }
-  sum.Finish(sums);
-  partial.samples[pixel] = samples.range.Count();
 }
 
 absl::StatusOr<std::unique_ptr<Renderer>> Renderer::Create(std::shared_ptr<const Scene> scene,
@@ -210,12 +285,10 @@ absl::StatusOr<Partial> Renderer::Render(const WorkUnit& unit, RenderPool& pool,
   pool.state_->Run((pixels + kBlockPixels - 1) / kBlockPixels, [&](int64_t block) {
     if (cancel && cancel->load(std::memory_order_relaxed)) return;
     const int64_t end = std::min((block + 1) * kBlockPixels, pixels);
-    for (int64_t pixel = block * kBlockPixels; pixel < end; ++pixel) {
-      if (sobol)
-        state_->RenderPixel<SobolSampler>(unit, pixel, partial, defects);
-      else
-        state_->RenderPixel<IndependentSampler>(unit, pixel, partial, defects);
-    }
+    if (sobol)
+      state_->RenderPixels<SobolSampler>(unit, block * kBlockPixels, end, partial, defects);
+    else
+      state_->RenderPixels<IndependentSampler>(unit, block * kBlockPixels, end, partial, defects);
   });
   if (cancel && cancel->load(std::memory_order_relaxed))
     return absl::CancelledError("the unit was cancelled while it was rendered");

@@ -38,26 +38,26 @@ struct Renderer::State {
     return camera.GenerateRay({x + 0.5f + film.offset.x, y + 0.5f + film.offset.y}, lens);
   }
 
-  /// CameraRay for the lanes in `mask`: `film` and `lens` are points of their samplers, the latter
-  /// a function that gives them.
+  /// CameraRay for the lanes in `mask`, each of a pixel of its own: `film` and `lens` are points of
+  /// their samplers, the latter a function that gives them.
   template <typename Lens>
-  RayLanes CameraRays(int x, int y, Vec2Lanes film, Lens lens, MaskLanes mask,
+  RayLanes CameraRays(Vec2Lanes pixel, Vec2Lanes film, Lens lens, MaskLanes mask,
                       FloatLanes* weights) const {
-    Vec2Lanes point;
+    Vec2Lanes offset;
     ForEachLane(mask, [&](int lane) {
       const FilterSample sample = filter.Sample({film.x[lane], film.y[lane]});
-      point.x[lane] = x + 0.5f + sample.offset.x;
-      point.y[lane] = y + 0.5f + sample.offset.y;
+      offset.x[lane] = sample.offset.x;
+      offset.y[lane] = sample.offset.y;
       (*weights)[lane] = sample.weight;
     });
-    return camera.GenerateRays(point,
+    return camera.GenerateRays({pixel.x + 0.5f + offset.x, pixel.y + 0.5f + offset.y},
                                camera.has_lens() ? SampleConcentricDisk(lens()) : Vec2Lanes{});
   }
 
-  /// All replicates of one pixel of the unit, written to its place in `partial`.
+  /// All samples of pixels [begin, end) of the unit, written to their places in `partial`.
   template <typename Sampler>
-  void RenderPixel(const WorkUnit& unit, int64_t pixel, Partial& partial,
-                   DefectList& defects) const;
+  void RenderPixels(const WorkUnit& unit, int64_t begin, int64_t end, Partial& partial,
+                    DefectList& defects) const;
 
   /// The story of one sample, a line for each event.
   template <typename Sampler>

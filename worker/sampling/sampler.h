@@ -45,6 +45,7 @@ struct SampleKey {
 class SobolSampler {
  public:
   explicit SobolSampler(const SampleKey& key) : key_(key.Hash()) {}
+  uint64_t key() const { return key_; }
   void StartSample(uint32_t index) {
     reversed_index_ = ReverseBits(index);
     block_ = kNoBlock;

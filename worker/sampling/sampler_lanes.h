@@ -1,28 +1,18 @@
 #pragma once
 
-#include <array>
 #include <vector>
 
-#include "common/pixel_layout.h"
 #include "worker/math/lanes.h"
 #include "worker/sampling/sampler.h"
 
 namespace strata {
 
-/// Points of a pixel's replicates, in each lane that of a replicate and sample of its own: the
-/// numbers of Sampler itself.
+/// Samplers side by side, each lane's on a sample of its own: the numbers of Sampler itself.
 template <typename Sampler>
 class SamplerLanes {
  public:
-  /// The replicate of `key` is not looked at.
-  explicit SamplerLanes(const SampleKey& key) {
-    for (uint32_t r = 0; r < kReplicates; ++r)
-      replicates_.push_back(Sampler({key.seed, key.frame, key.x, key.y, r}));
-    lanes_.assign(kLanes, replicates_.front());
-  }
-
-  void StartSample(int lane, uint32_t replicate, uint32_t index) {
-    lanes_[lane] = replicates_[replicate];
+  void StartSample(int lane, const Sampler& sampler, uint32_t index) {
+    lanes_[lane] = sampler;
     lanes_[lane].StartSample(index);
   }
 
@@ -38,21 +28,16 @@ class SamplerLanes {
   }
 
  private:
-  std::vector<Sampler> replicates_, lanes_;
+  std::vector<Sampler> lanes_ = std::vector<Sampler>(kLanes, Sampler(SampleKey{}));
 };
 
 /// Lane by lane the arithmetic of SobolSampler, which has four pairs side by side instead.
 template <>
 class SamplerLanes<SobolSampler> {
  public:
-  explicit SamplerLanes(const SampleKey& key) {
-    for (uint32_t r = 0; r < kReplicates; ++r)
-      keys_[r] = SampleKey{key.seed, key.frame, key.x, key.y, r}.Hash();
-  }
-
-  void StartSample(int lane, uint32_t replicate, uint32_t index) {
-    key_low_[lane] = static_cast<uint32_t>(keys_[replicate]);
-    key_high_[lane] = static_cast<uint32_t>(keys_[replicate] >> 32);
+  void StartSample(int lane, const SobolSampler& sampler, uint32_t index) {
+    key_low_[lane] = static_cast<uint32_t>(sampler.key());
+    key_high_[lane] = static_cast<uint32_t>(sampler.key() >> 32);
     reversed_index_[lane] = ReverseBits(index);
   }
 
@@ -71,7 +56,6 @@ class SamplerLanes<SobolSampler> {
     return ToFloat(reinterpret_cast<IntLanes>(ReverseBits(reversed) >> 8)) * 0x1p-24f;
   }
 
-  std::array<uint64_t, kReplicates> keys_;
   Words8 key_low_ = {}, key_high_ = {}, reversed_index_ = {};
 };
 
