@@ -10,7 +10,7 @@ set -euo pipefail
 # To compile the three programs. What they need to run comes along.
 build=(
   g++ cmake ninja-build
-  libembree-dev libopenimageio-dev
+  libembree-dev libtbb-dev libopenimageio-dev
   openimageio-tools  # libopenimageio-dev's CMake files name its programs and fail without them
   libgrpc++-dev libprotobuf-dev protobuf-compiler protobuf-compiler-grpc
   libabsl-dev libspdlog-dev libcli11-dev nlohmann-json3-dev libssl-dev
@@ -18,7 +18,7 @@ build=(
 )
 # To run programs that were compiled elsewhere, on the same release of Debian.
 runtime=(
-  libembree3-3 libopenimageio2.4
+  libembree3-3 libtbb12 libopenimageio2.4
   libgrpc++1.51 libprotobuf32
   libabsl20220623 libspdlog1.10 libssl3
 )

@@ -72,6 +72,48 @@ TEST(UnusedParts, AreTakenOutAndTheRestStaysAsItWas) {
   EXPECT_EQ(constant.value, (Rgb{0.1f, 0.2f, 0.3f}));
 }
 
+TEST(UnusedParts, MeshFilesAreReadWhereTheyAreUsedAlone) {
+  SceneFolder folder;
+  const std::string triangle =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float "
+      "z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+      "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+  folder.Write("kept.ply", triangle);
+  folder.Write("lamp.ply", triangle);
+  folder.Write(
+      "empty.ply",
+      "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty "
+      "float z\nelement face 0\nproperty list uchar int vertex_indices\nend_header\n");
+  const auto read = [&](const std::string& idle) {
+    folder.Write("scene.pbrt",
+                 "WorldBegin\nObjectBegin \"idle\"\n" + idle +
+                     "ObjectEnd\nObjectBegin \"placed\"\n"
+                     "Shape \"plymesh\" \"string filename\" \"kept.ply\"\n"
+                     "ObjectEnd\nObjectInstance \"placed\"\n"
+                     "Shape \"plymesh\" \"string filename\" \"empty.ply\"\n"
+                     "AttributeBegin\nAreaLightSource \"diffuse\" \"float power\" 1\n"
+                     "Shape \"plymesh\" \"string filename\" \"lamp.ply\"\nAttributeEnd\n");
+    return folder.Read();
+  };
+  const auto scene = read("Shape \"plymesh\" \"string filename\" \"gone.ply\"\n");
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  EXPECT_EQ(scene->files,
+            (std::vector<std::string>{"empty.ply", "kept.ply", "lamp.ply", "scene.pbrt"}));
+  const auto triangles = [](const ShapeDescription& shape) {
+    const auto& mesh = std::get<TriangleMeshShape>(shape.geometry);
+    return mesh.unread_file.empty() ? mesh.triangles.size() : 0;
+  };
+  EXPECT_EQ(triangles(scene->scene.objects.at(0).shapes.at(0)), 1u);
+  ASSERT_EQ(scene->scene.shapes.size(), 1u);
+  EXPECT_EQ(triangles(scene->scene.shapes[0]), 1u);
+  EXPECT_TRUE(scene->scene.shapes[0].emission.has_value());
+  EXPECT_EQ(scene->warnings.size(), 1u);  // Of the mesh without faces.
+
+  const absl::Status outside =
+      read("Shape \"plymesh\" \"string filename\" \"../gone.ply\"\n").status();
+  EXPECT_EQ(outside.code(), absl::StatusCode::kInvalidArgument) << outside;
+}
+
 TEST(UnusedParts, AMissingImageIsAnErrorWhereItIsUsed) {
   SceneFolder folder;
   folder.Write("scene.pbrt", SceneText("", ""));

@@ -116,14 +116,20 @@ absl::StatusOr<AreaLight> ReadAreaLight(const std::string& type, std::string_vie
 
 // ---- shapes ----
 
-/// Shape "type": its geometry. None when it has nothing to show: no faces (with a warning), or cut
-/// away by an "alpha" of 0 and not `emissive`.
+/// Shape "type": its geometry, where a PLY file is still to be read (mesh_files.h). None when it
+/// has nothing to show: no faces (with a warning), or cut away by an "alpha" of 0 and not
+/// `emissive`.
 absl::StatusOr<std::optional<ShapeGeometry>> ReadShape(const std::string& type,
                                                        ParameterReader& parameters, bool emissive,
                                                        TextureTable& textures,
                                                        ReadContext& context);
 
-/// Errors for a transform that is singular or takes the shape beyond what floats hold.
+/// Whether it is a mesh that has none, nor a file to read them from.
+bool IsWithoutFaces(const ShapeGeometry& geometry);
+void WarnWithoutFaces(const SourceLocation& where, ReadContext& context);
+
+/// Errors for a transform that is singular or takes the shape, as far as it is read, beyond what
+/// floats hold.
 absl::Status CheckPlacement(const ShapeGeometry& geometry, const Transform& to_world,
                             const SourceLocation& where);
 

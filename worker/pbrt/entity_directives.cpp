@@ -1,6 +1,7 @@
 #include <numbers>
 #include <utility>
 
+#include "worker/pbrt/mesh_files.h"
 #include "worker/pbrt/scene_parser.h"
 
 // The directives that describe the frame and the things in the scene.
@@ -118,6 +119,7 @@ absl::Status SceneParser::PlaceEmission(ShapeDescription& shape) {
   }
   Rgb radiance = light.radiance;
   if (light.power) {
+    STRATA_RETURN_IF_ERROR(ReadMeshFile(&shape, context_));
     STRATA_ASSIGN_OR_RETURN(const double area, WorldArea(shape.geometry, shape.to_world, Here()));
     const double sides = light.two_sided ? 2 : 1;
     if (!(area > 0)) return ErrorAt(Here(), "the area light's power has no area to leave by");

@@ -5,6 +5,7 @@
 #include <system_error>
 #include <utility>
 
+#include "worker/pbrt/mesh_files.h"
 #include "worker/pbrt/scene_parser.h"
 
 namespace strata {
@@ -19,6 +20,7 @@ absl::StatusOr<PbrtScene> ReadPbrt(const FileSource& source, const std::string& 
   context.files.insert(scene_path);
   STRATA_RETURN_IF_ERROR(SceneParser(context).ParseFile(scene_path));
   const UnusedParts unused = RemoveUnused(&context.scene);
+  STRATA_RETURN_IF_ERROR(ReadMeshFiles(context));
   for (const TextureDescription& texture : context.scene.textures) {
     if (const auto* image = std::get_if<ImageTexture>(&texture))
       STRATA_RETURN_IF_ERROR(context.AddNamedFile(image->path, image->where));

@@ -19,9 +19,9 @@ struct PbrtScene {
   UnusedParts unused;  ///< What the file has beyond that: neither in `scene` nor in `files`.
 };
 
-/// Reads the pbrt-v4 file `scene_path` (a bundle path) and all it includes. PLY meshes are loaded;
-/// images are only located. Errors read "file:line: what is wrong, what to do" and are
-/// INVALID_ARGUMENT, or NOT_FOUND for missing files.
+/// Reads the pbrt-v4 file `scene_path` (a bundle path) and all it includes. PLY meshes are loaded,
+/// several at a time; images are only located. Errors read "file:line: what is wrong, what to do"
+/// and are INVALID_ARGUMENT, or NOT_FOUND for missing files.
 absl::StatusOr<PbrtScene> ReadPbrt(const FileSource& source, const std::string& scene_path);
 
 /// Digests the scene's files under `root`.

@@ -4,13 +4,10 @@
 #include <numbers>
 
 #include "worker/pbrt/entities.h"
-#include "worker/pbrt/ply.h"
 #include "worker/scene/recentre.h"
 
 namespace strata {
 namespace {
-
-constexpr uint64_t kMaxPlyBytes = uint64_t{16} << 30;
 
 /// Vertex indices as given, or 0 .. `corners` - 1 where the vertices are just one primitive's.
 std::vector<int> ReadIndices(ParameterReader& parameters, size_t vertices, int corners) {
@@ -81,21 +78,17 @@ BilinearPatchShape ReadBilinearMesh(ParameterReader& parameters) {
   return mesh;
 }
 
-absl::StatusOr<TriangleMeshShape> ReadPlyMesh(ParameterReader& parameters, ReadContext& context) {
+/// Only names the file: it is read when all of the scene is known, and if the shape is needed.
+absl::StatusOr<TriangleMeshShape> ReadPlyMesh(ParameterReader& parameters,
+                                              const ReadContext& context) {
   const SourceLocation& where = parameters.where();
   if (!parameters.Has("filename")) {
     return ErrorAt(where, "Shape \"plymesh\" wants a \"string filename\"");
   }
   const std::string name = parameters.String("filename", "");
   parameters.Float("edgelength", 1);  // of displacement alone
-  STRATA_ASSIGN_OR_RETURN(const std::string path, context.AddFile(name, where));
-  STRATA_ASSIGN_OR_RETURN(const std::filesystem::path file, context.Locate(path, where));
-  absl::StatusOr<std::string> bytes = ReadWholeFile(file, kMaxPlyBytes);
-  absl::StatusOr<TriangleMeshShape> mesh =
-      bytes.ok() ? ParsePly(*bytes) : absl::StatusOr<TriangleMeshShape>(bytes.status());
-  if (!mesh.ok()) {
-    return Annotate(mesh.status(), StrCat(where.ToString(), ": \"", path, "\""));
-  }
+  TriangleMeshShape mesh;
+  STRATA_ASSIGN_OR_RETURN(mesh.unread_file, context.NameFile(name, where));
   return mesh;
 }
 
@@ -207,12 +200,20 @@ absl::StatusOr<std::optional<ShapeGeometry>> ReadShape(const std::string& type,
   }
   STRATA_RETURN_IF_ERROR(parameters.Finish(context.warnings));
   if (is_cut_away) return std::nullopt;
-  const auto* mesh = std::get_if<TriangleMeshShape>(&geometry);
-  if (mesh && mesh->triangles.empty()) {
-    context.Warn(parameters.where(), "a mesh without faces is left out");
+  if (IsWithoutFaces(geometry)) {
+    WarnWithoutFaces(parameters.where(), context);
     return std::nullopt;
   }
   return geometry;
+}
+
+bool IsWithoutFaces(const ShapeGeometry& geometry) {
+  const auto* mesh = std::get_if<TriangleMeshShape>(&geometry);
+  return mesh && mesh->triangles.empty() && mesh->unread_file.empty();
+}
+
+void WarnWithoutFaces(const SourceLocation& where, ReadContext& context) {
+  context.Warn(where, "a mesh without faces is left out");
 }
 
 absl::Status CheckPlacement(const ShapeGeometry& geometry, const Transform& to_world,
@@ -220,6 +221,9 @@ absl::Status CheckPlacement(const ShapeGeometry& geometry, const Transform& to_w
   if (!to_world.IsFinite() || !to_world.Inverse()) {
     return ErrorAt(where, "the shape's transform cannot be inverted; check its scale");
   }
+  // Of a mesh that has not been read nothing is known.
+  if (const auto* mesh = std::get_if<TriangleMeshShape>(&geometry); mesh && mesh->positions.empty())
+    return absl::OkStatus();
   const Box bounds = BoundsOf(geometry, to_world);
   if (!FitsFloat(bounds.min) || !FitsFloat(bounds.max)) {
     return ErrorAt(where, "the shape is too large or too far away to be computed with");

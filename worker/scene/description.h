@@ -131,6 +131,8 @@ struct TriangleMeshShape {
   std::vector<Vec3f> normals;  ///< Empty, or one for each position.
   std::vector<Vec2f> uvs;      ///< Empty, or one for each position.
   std::vector<std::array<uint32_t, 3>> triangles;
+  /// Bundle path of a PLY file that all this is yet to be read from; empty once the reader is done.
+  std::string unread_file;
 };
 struct SphereShape {
   float radius = 1, z_min = -1, z_max = 1, phi_max = 360;
