@@ -32,6 +32,7 @@ std::string NameOf(const MaterialDescription& material) {
                  [](const CoatedDiffuseMaterial&) { return "coateddiffuse"; },
                  [](const CoatedConductorMaterial&) { return "coatedconductor"; },
                  [](const DiffuseTransmissionMaterial&) { return "diffusetransmission"; },
+                 [](const MetallicRoughnessMaterial&) { return "metallicroughness"; },
                  [](const MixMaterial&) { return "mix"; },
                  [](const InterfaceMaterial&) { return "interface"; }},
       material);

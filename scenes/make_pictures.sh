@@ -22,3 +22,4 @@ picture() {
 picture cornell-box/cornell-box.pbrt cornell-box/cornell-box.png --resolution 256x256 --spp 256
 picture textures/textures.pbrt textures/textures.png --resolution 320x180 --spp 256
 picture lights/textured.pbrt lights/textured.png --spp 512
+picture gltf/materials.gltf gltf/materials.png --resolution 480x270 --spp 256

@@ -48,9 +48,14 @@ TestScene OneOfEach() {
            MaterialDescription(CoatedDiffuseMaterial{
                .reflectance = checkerboard, .roughness = alpha, .albedo = scene.Texture({})}),
            MaterialDescription(DiffuseTransmissionMaterial{half, rough}),
+           MaterialDescription(MetallicRoughnessMaterial{.base_color = checkerboard,
+           .metallic = rough,
+           .roughness = half,
+           .transmission = half,
+           .coat = half}),
        }) {
     scene.Sphere({x, 0.7f, 0}, 0.6f, scene.Material(material));
-    x += 1.6f;
+    x += 1.3f;
   }
   ObjectDescription& object = scene.description.objects.emplace_back();
   ShapeDescription& part = object.shapes.emplace_back();

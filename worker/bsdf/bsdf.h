@@ -11,6 +11,7 @@
 #include "worker/bsdf/dielectric.h"
 #include "worker/bsdf/diffuse.h"
 #include "worker/bsdf/diffuse_transmission.h"
+#include "worker/bsdf/metallic_roughness.h"
 #include "worker/bsdf/thin_dielectric.h"
 
 // How a point of a surface scatters light. Each kind is a plain struct with free inline functions
@@ -28,8 +29,9 @@
 
 namespace strata {
 
-using Bsdf = std::variant<DiffuseBsdf, ConductorBsdf, DielectricBsdf, ThinDielectricBsdf,
-                          CoatedDiffuseBsdf, CoatedConductorBsdf, DiffuseTransmissionBsdf>;
+using Bsdf =
+    std::variant<DiffuseBsdf, ConductorBsdf, DielectricBsdf, ThinDielectricBsdf, CoatedDiffuseBsdf,
+                 CoatedConductorBsdf, DiffuseTransmissionBsdf, MetallicRoughnessBsdf>;
 
 inline Rgb Eval(const Bsdf& bsdf, Vec3f wo, Vec3f wi) {
   return std::visit([&](const auto& b) { return Eval(b, wo, wi); }, bsdf);
@@ -53,6 +55,7 @@ inline bool IsDelta(const Bsdf& bsdf) {
 }
 /// Whether light may pass through the surface.
 inline bool Transmits(const Bsdf& bsdf) {
+  if (const auto* b = std::get_if<MetallicRoughnessBsdf>(&bsdf)) return !IsBlack(b->transmission);
   return std::holds_alternative<DielectricBsdf>(bsdf) ||
          std::holds_alternative<ThinDielectricBsdf>(bsdf) ||
          std::holds_alternative<DiffuseTransmissionBsdf>(bsdf);

@@ -12,6 +12,15 @@ int ColorChannels(const ImageFile& file) { return file.channels < 3 ? 1 : 3; }
 
 }  // namespace
 
+absl::StatusOr<ImageFile> ReadTextureImage(const ImageTexture& texture, const FileSource& source) {
+  if (texture.embedded) {
+    if (const auto* pixels = std::get_if<ImageFile>(&*texture.embedded)) return *pixels;
+    return ReadImageBytes(texture.path, std::get<std::string>(*texture.embedded));
+  }
+  STRATA_ASSIGN_OR_RETURN(const std::filesystem::path path, source.Locate(texture.path));
+  return ReadImageFile(path);
+}
+
 absl::Status CheckTexels(const ImageFile& file) {
   if (file.eight_bit || file.sixteen_bit) return absl::OkStatus();
   const size_t pixels = static_cast<size_t>(file.width) * file.height;

@@ -42,7 +42,11 @@ absl::StatusOr<EnvironmentImage> EnvironmentImage::Load(const ImageInfiniteLight
                                                         bool compensated) {
   STRATA_ASSIGN_OR_RETURN(const std::filesystem::path path, source.Locate(light.path));
   STRATA_ASSIGN_OR_RETURN(const ImageFile file, ReadImageFile(path));
-  if (light.mapping == EnvironmentMapping::kEqualArea && file.width != file.height)
+  EnvironmentMapping mapping = light.mapping;
+  if (mapping == EnvironmentMapping::kByShape)
+    mapping =
+        file.width == file.height ? EnvironmentMapping::kEqualArea : EnvironmentMapping::kLatLong;
+  if (mapping == EnvironmentMapping::kEqualArea && file.width != file.height)
     return absl::InvalidArgumentError(absl::StrCat(
         light.path, ": the environment is ", file.width, "x", file.height,
         " pixels, but the equal-area layout is square; convert it with 'imgtool makeequiarea'"));
@@ -56,8 +60,7 @@ absl::StatusOr<EnvironmentImage> EnvironmentImage::Load(const ImageInfiniteLight
           absl::StrCat(light.path, ": the environment's pixel (", i % file.width, ", ",
                        i / file.width, ") is negative or not finite; radiance can be neither"));
   }
-  return EnvironmentImage(file.width, file.height, std::move(pixels), light.mapping, axes,
-                          compensated);
+  return EnvironmentImage(file.width, file.height, std::move(pixels), mapping, axes, compensated);
 }
 
 EnvironmentImage::EnvironmentImage(int width, int height, std::vector<Rgb> radiances,

@@ -2,11 +2,13 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
+#include "common/image_file.h"
 #include "common/job.h"
 #include "worker/math/transform.h"
 #include "worker/math/vec.h"
@@ -20,7 +22,10 @@ namespace strata {
 struct SourceLocation {
   std::string file;  ///< As named by the user or the including file.
   int line = 0;
-  std::string ToString() const { return file + ":" + std::to_string(line); }
+  std::string element;  ///< Of a JSON file, instead of a line: "materials[2].normalTexture".
+  std::string ToString() const {
+    return file + ":" + (element.empty() ? std::to_string(line) : element);
+  }
 };
 
 /// Something read but not rendered as the file asks. The picture stays meaningful.
@@ -34,18 +39,26 @@ struct SceneWarning {
 using TextureId = int32_t;
 inline constexpr TextureId kNoTexture = -1;
 
-/// (s, t) = (su * u + du, sv * v + dv), pbrt's "uv" mapping.
+/// (s, t) = (su * u + s_v * v + du, t_u * u + sv * v + dv); without the mixed terms pbrt's "uv"
+/// mapping.
 struct UvMapping {
   float su = 1, sv = 1, du = 0, dv = 0;
+  float s_v = 0, t_u = 0;
 };
-enum class ImageWrap { kRepeat, kBlack, kClamp };
+/// kMirror repeats, every second time mirrored.
+enum class ImageWrap { kRepeat, kBlack, kClamp, kMirror };
 enum class ImageEncoding { kSrgb, kLinear, kGamma };  ///< Of 8-bit files; others are linear.
 
 struct ConstantTexture {
   Rgb value;
 };
+/// An image that is no file of its own: the bytes of an image file inside another, or pixels that a
+/// reader made.
+using EmbeddedImage = std::variant<std::string, ImageFile>;
+
 struct ImageTexture {
-  std::string path;  ///< In the bundle. Row 0 of the image is at t = 1.
+  std::string
+      path;  ///< In the bundle; names it alone if `embedded`. Row 0 of the image is at t = 1.
   UvMapping mapping;
   ImageWrap wrap = ImageWrap::kRepeat;
   ImageEncoding encoding = ImageEncoding::kSrgb;
@@ -55,6 +68,10 @@ struct ImageTexture {
   bool nearest = false;  ///< No filtering ("point"); bilinear otherwise.
   bool scalar = false;   ///< A float texture: the mean of the channels in all of r, g, b.
   SourceLocation where;  ///< That names the image.
+  std::shared_ptr<const EmbeddedImage> embedded = nullptr;
+  std::optional<ImageWrap> wrap_t = std::nullopt;  ///< Along t, where it is not `wrap`.
+  /// 0 to 2: that channel alone, in all of r, g, b.
+  std::optional<int> channel = std::nullopt;
 };
 struct ScaleTexture {
   TextureId texture = kNoTexture, scale = kNoTexture;
@@ -113,6 +130,19 @@ struct DiffuseTransmissionMaterial {
   TextureId reflectance = kNoTexture, transmittance = kNoTexture;
   float scale = 1;
 };
+/// glTF 2.0's surface: MetallicRoughnessBsdf says what it does with light. Colours and numbers are
+/// cut to [0, 1]; kNoTexture is what is said beside.
+struct MetallicRoughnessMaterial {
+  TextureId base_color = kNoTexture;      ///< White.
+  TextureId metallic = kNoTexture;        ///< 1.
+  TextureId roughness = kNoTexture;       ///< 1; its square is GGX's alpha.
+  float f0 = 0.04f;                       ///< Of the dielectric at normal incidence, 0 to 1.
+  TextureId specular = kNoTexture;        ///< 1.
+  TextureId specular_color = kNoTexture;  ///< White.
+  TextureId transmission = kNoTexture;    ///< 0.
+  TextureId coat = kNoTexture;            ///< 0.
+  TextureId coat_roughness = kNoTexture;  ///< 0.
+};
 struct MixMaterial {
   MaterialId a = 0, b = 0;
   TextureId amount = kNoTexture;  ///< Of b.
@@ -122,7 +152,7 @@ struct InterfaceMaterial {};
 using MaterialDescription =
     std::variant<DiffuseMaterial, ConductorMaterial, DielectricMaterial, ThinDielectricMaterial,
                  CoatedDiffuseMaterial, CoatedConductorMaterial, DiffuseTransmissionMaterial,
-                 MixMaterial, InterfaceMaterial>;
+                 MetallicRoughnessMaterial, MixMaterial, InterfaceMaterial>;
 
 // ---- shapes, in their own space, placed by `to_world` ----
 
@@ -193,7 +223,8 @@ struct DistantLightDescription {
 struct ConstantInfiniteLightDescription {
   Rgb radiance;
 };
-enum class EnvironmentMapping { kEqualArea, kLatLong };
+/// kByShape: equal-area where the image is square, else latitude and longitude.
+enum class EnvironmentMapping { kEqualArea, kLatLong, kByShape };
 struct ImageInfiniteLightDescription {
   std::string path;  ///< In the bundle; pbrt-v4's equal-area octahedral layout unless lat-long.
   Transform to_world;
