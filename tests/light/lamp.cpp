@@ -2,17 +2,32 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+
 namespace strata {
 
-Lamp::Lamp(const ShapeDescription& shape) {
+Lamp::Lamp(ShapeDescription shape) {
   SceneDescription scene;
   scene.textures.push_back(ConstantTexture{Rgb::Gray(0.5f)});
+  scene.shapes.push_back(std::move(shape));
+  Build(std::move(scene), DirectorySource("."));
+}
+
+Lamp::Lamp(ShapeDescription shape, const TextureDescription& texture, const FileSource& source) {
+  SceneDescription scene;
+  scene.textures = {ConstantTexture{Rgb::Gray(0.5f)}, texture};
+  shape.emission->texture = 1;
+  scene.shapes.push_back(std::move(shape));
+  Build(std::move(scene), source);
+}
+
+void Lamp::Build(SceneDescription scene, const FileSource& source) {
   scene.materials.push_back(DiffuseMaterial{0});
-  scene.shapes.push_back(shape);
   auto geometry = Geometry::Build(scene);
   EXPECT_TRUE(geometry.ok()) << geometry.status();
   geometry_ = *std::move(geometry);
-  auto lights = LightSet::Build(scene, *geometry_, DirectorySource("."));
+  textures_ = *TextureSet::Load(scene.textures, source);
+  auto lights = LightSet::Build(scene, *geometry_, *textures_, source);
   EXPECT_TRUE(lights.ok()) << lights.status();
   lights_ = *std::move(lights);
   EXPECT_EQ(lights_.lights().size(), 1u);
@@ -24,7 +39,7 @@ std::vector<Lamp::Meeting> Lamp::Meetings(Vec3f from, Vec3f direction) const {
   for (Hit found; geometry_->Intersect(ray, &found);) {
     const SurfacePoint point = geometry_->Surface(ray, found);
     const EmissionHit hit = {point.p, point.ng, direction, Length(point.p - from)};
-    const Rgb radiance = lights_.SurfaceLe(0, point.ng, -direction);
+    const Rgb radiance = lights_.SurfaceLe(0, point.ng, -direction, [&] { return point; });
     if (!IsBlack(radiance)) {
       meetings.push_back({hit, radiance, lights_.SurfacePdf(0, {from}, hit)});
       if (IsSphere()) break;
@@ -32,6 +47,13 @@ std::vector<Lamp::Meeting> Lamp::Meetings(Vec3f from, Vec3f direction) const {
     ray.origin = OffsetRayOrigin(point, direction);
   }
   return meetings;
+}
+
+bool Lamp::IsSphere() const {
+  const Light& light = lights_.lights()[0];
+  const auto* textured = std::get_if<TexturedLight>(&light);
+  return textured ? std::holds_alternative<SphereLight>(textured->surface->plain)
+                  : std::holds_alternative<SphereLight>(light);
 }
 
 float Lamp::Pdf(Vec3f from, Vec3f direction) const {

@@ -12,7 +12,10 @@ namespace strata {
 /// rays meet on the other.
 class Lamp {
  public:
-  explicit Lamp(const ShapeDescription& shape);
+  explicit Lamp(ShapeDescription shape);
+  /// Its radiance is multiplied by `texture`, whose images are in `source`.
+  Lamp(ShapeDescription shape, const TextureDescription& texture,
+       const FileSource& source = DirectorySource("."));
 
   /// Of the light set, whose only light it is.
   std::optional<LightSample> Sample(Vec3f from, Vec2f u) const {
@@ -36,10 +39,13 @@ class Lamp {
   /// The density with which Sample finds a direction.
   float Pdf(Vec3f from, Vec3f direction) const;
 
-  bool IsSphere() const { return std::holds_alternative<SphereLight>(lights_.lights()[0]); }
+  bool IsSphere() const;
 
  private:
+  void Build(SceneDescription scene, const FileSource& source);
+
   std::unique_ptr<Geometry> geometry_;
+  std::unique_ptr<TextureSet> textures_;
   LightSet lights_;
 };
 

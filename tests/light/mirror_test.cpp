@@ -42,7 +42,7 @@ class Room {
     textures_ = *TextureSet::Load(description_.textures, none);
     const auto materials = *MaterialSet::Build(description_.materials, *textures_);
     return MirrorImages(*geometry_, *materials,
-                        LightSet::Build(description_, *geometry_, none)->lamps());
+                        LightSet::Build(description_, *geometry_, *textures_, none)->lamps());
   }
 
  private:

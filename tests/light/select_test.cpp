@@ -40,12 +40,15 @@ struct TestLights {
     auto built = Geometry::Build(scene);
     EXPECT_TRUE(built.ok()) << built.status();
     geometry = *std::move(built);
-    auto lights = LightSet::Build(scene, *geometry, DirectorySource("."), options);
+    const DirectorySource none(".");
+    textures = *TextureSet::Load(scene.textures, none);
+    auto lights = LightSet::Build(scene, *geometry, *textures, none, options);
     EXPECT_TRUE(lights.ok()) << lights.status();
     set = *std::move(lights);
   }
 
   std::unique_ptr<Geometry> geometry;
+  std::unique_ptr<TextureSet> textures;
   LightSet set;
 };
 

@@ -396,6 +396,39 @@ TEST(AreaLights, OfAPowerHaveTheRadianceThatGivesIt) {
               100 / (pi * 1), 1e-4);
 }
 
+/// Two by one linear pixels of gray 1 and 3.
+std::string TwoPixels() {
+  std::string bytes = "PF\n2 1\n-1.0\n";
+  for (const float value : {1.0f, 1.0f, 1.0f, 3.0f, 3.0f, 3.0f})
+    bytes.append(reinterpret_cast<const char*>(&value), sizeof(value));
+  return bytes;
+}
+
+TEST(AreaLights, TakeAnImage) {
+  SceneFolder folder;
+  folder.Write("maps/two.pfm", TwoPixels());
+  folder.Write("scene.pbrt", R"(WorldBegin
+    Texture "unused" "spectrum" "imagemap" "string filename" "gone.png"
+    AreaLightSource "diffuse" "string filename" "maps/two.pfm" "float scale" 5
+    Shape "disk"
+    AreaLightSource "diffuse" "string filename" "maps/two.pfm" "float power" 100
+      "bool twosided" true
+    Shape "disk")");
+  const absl::StatusOr<PbrtScene> scene = folder.Read();
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  EXPECT_EQ(scene->files, (std::vector<std::string>{"maps/two.pfm", "scene.pbrt"}));
+  EXPECT_TRUE(scene->warnings.empty());
+  const AreaEmission& scaled = *scene->scene.shapes.at(0).emission;
+  EXPECT_EQ(scaled.radiance, Rgb::Gray(5));
+  const auto& image = std::get<ImageTexture>(scene->scene.textures.at(scaled.texture));
+  EXPECT_EQ(image.path, "maps/two.pfm");
+  EXPECT_EQ(image.wrap, ImageWrap::kClamp);
+  EXPECT_EQ(image.where.ToString(), "scene.pbrt:3");
+  // A power is that of the image's mean, 2, from both sides.
+  const double pi = std::acos(-1.0);
+  EXPECT_NEAR(scene->scene.shapes.at(1).emission->radiance.g, 100 / (2 * pi * pi) / 2, 1e-5);
+}
+
 TEST(Objects, HoldTheirShapesAndAreInstancedInPlace) {
   const PbrtScene scene = World(R"(
     Translate 1 0 0

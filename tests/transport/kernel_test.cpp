@@ -111,6 +111,17 @@ TEST(KernelTest, NearlyEverySampleIsTheSame) {
   }
 }
 
+TEST(KernelTest, LampsMayBeTextured) {
+  TestScene scene = OneOfEach();
+  scene.description.textures.push_back(
+      CheckerboardTexture{scene.Texture(Rgb::Gray(0.1f)), scene.Texture(Rgb::Gray(2)), {5, 3}});
+  const TextureId cells = static_cast<TextureId>(scene.description.textures.size()) - 1;
+  for (ShapeDescription& shape : scene.description.shapes) {
+    if (shape.emission) shape.emission->texture = cells;
+  }
+  EXPECT_GE(AgreeingShare(BuildScene(scene), TestSpec(48, 64, 12), 1e-5), 0.999);
+}
+
 TEST(KernelTest, ChannelsAreTheSame) {
   const auto scene = BuildScene(OneOfEach());
   JobSpec spec = TestSpec(32, 32, 3);

@@ -124,6 +124,17 @@ TEST(StrategyTest, AgreeUnderAnImageOfTheSky) {
     ExpectStrategiesAgree(Studio(make, Sky::kImage));
 }
 
+TEST(StrategyTest, AgreeUnderTexturedLamps) {
+  TestScene scene = Studio(Matte);
+  const TextureId dark = scene.Texture(Rgb::Gray(0.1f)), bright = scene.Texture(Rgb::Gray(2));
+  scene.description.textures.push_back(CheckerboardTexture{dark, bright, {5, 3}});
+  const TextureId cells = static_cast<TextureId>(scene.description.textures.size()) - 1;
+  for (ShapeDescription& shape : scene.description.shapes) {
+    if (shape.emission) shape.emission->texture = cells;
+  }
+  ExpectStrategiesAgree(scene);
+}
+
 /// Each way of choosing and sampling lights has the same expectation.
 TEST(StrategyTest, LightOptionsChangeNoMean) {
   const SceneFolder folder;

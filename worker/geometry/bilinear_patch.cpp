@@ -37,18 +37,6 @@ int LineRoots(const BilinearPatchSurface& patch, Vec3d origin, Vec3d direction, 
   return count;
 }
 
-/// (u, v) of a point on the patch: of the places where the line through p along the mean normal
-/// meets the patch, the one nearest to p.
-Vec2d ParametersOf(const BilinearPatchSurface& patch, Vec3d p) {
-  const Vec3d across = Cross(patch.p[3] - patch.p[0], patch.p[2] - patch.p[1]);
-  Root roots[2];
-  const int count = LineRoots(patch, p, across, roots);
-  if (count == 0) return {0.5, 0.5};
-  const bool second = count == 2 && std::abs(roots[1].t) < std::abs(roots[0].t);
-  const Root& root = roots[second];
-  return {std::clamp(root.u, 0.0, 1.0), std::clamp(root.v, 0.0, 1.0)};
-}
-
 /// Area per unit of (u, v) at the corners; between them it is about bilinear.
 std::array<double, 4> CornerWeights(const BilinearPatchSurface& patch) {
   const auto weight = [&](double u, double v) {
@@ -116,6 +104,18 @@ LocalPoint SampleArea(const BilinearPatchSurface& patch, Vec2d sample) {
   const double v = SampleLinear(sample.y, w[0] + w[1], w[2] + w[3]);
   const double u = SampleLinear(sample.x, (1 - v) * w[0] + v * w[2], (1 - v) * w[1] + v * w[3]);
   return PointAt(patch, {0, {}, u, v});
+}
+
+Vec2d ParametersOf(const BilinearPatchSurface& patch, Vec3d p) {
+  // Of the places where the line through p along the mean normal meets the patch, the one nearest
+  // to p.
+  const Vec3d across = Cross(patch.p[3] - patch.p[0], patch.p[2] - patch.p[1]);
+  Root roots[2];
+  const int count = LineRoots(patch, p, across, roots);
+  if (count == 0) return {0.5, 0.5};
+  const bool second = count == 2 && std::abs(roots[1].t) < std::abs(roots[0].t);
+  const Root& root = roots[second];
+  return {std::clamp(root.u, 0.0, 1.0), std::clamp(root.v, 0.0, 1.0)};
 }
 
 double PdfArea(const BilinearPatchSurface& patch, Vec3d p) {

@@ -151,7 +151,13 @@ absl::Status ShapeBuilder::AddMesh(const ShapeDescription& shape, const Triangle
     set->triangles.push_back(triangle);
     if (emits) {
       Emitter emitter;
-      emitter.shape = TriangleEmitter{p0, p1, p2, ng};
+      TriangleEmitter corners = {p0, p1, p2, ng};
+      if (!mesh.uvs.empty()) {
+        corners.uv0 = mesh.uvs[indices[0]];
+        corners.uv1 = mesh.uvs[indices[1]];
+        corners.uv2 = mesh.uvs[indices[2]];
+      }
+      emitter.shape = corners;
       emitter.area = static_cast<float>(
           0.5 * Length(Cross(ToDouble(p1) - ToDouble(p0), ToDouble(p2) - ToDouble(p0))));
       const int32_t light = AddEmitter(shape, std::move(emitter));
@@ -230,8 +236,9 @@ void ShapeBuilder::AddCurved(const ShapeDescription& shape, CurvedShape curved, 
     const auto* sphere = std::get_if<SphereSurface>(&curved.surface);
     const std::optional<double> scale = curved.placement.UniformScale();
     if (sphere && sphere->IsFull() && scale) {
-      emitter.shape = SphereEmitter{ToFloat(Placement::Point(curved.placement.to_world, {})),
-                                    static_cast<float>(sphere->radius * *scale), curved.flipped};
+      emitter.shape =
+          SphereEmitter{ToFloat(Placement::Point(curved.placement.to_world, {})),
+                        static_cast<float>(sphere->radius * *scale), curved.flipped, other.shape};
     }
     curved.light = AddEmitter(shape, std::move(emitter));
   }
@@ -241,6 +248,7 @@ void ShapeBuilder::AddCurved(const ShapeDescription& shape, CurvedShape curved, 
 int32_t ShapeBuilder::AddEmitter(const ShapeDescription& shape, Emitter emitter) {
   emitter.radiance = shape.emission->radiance;
   emitter.two_sided = shape.emission->two_sided;
+  emitter.texture = shape.emission->texture;
   emitters_.push_back(std::move(emitter));
   return static_cast<int32_t>(emitters_.size() - 1);
 }

@@ -1,6 +1,7 @@
 #include "worker/geometry/curved_shape.h"
 
 #include <cmath>
+#include <type_traits>
 #include <variant>
 
 #include "worker/geometry/rounding.h"
@@ -31,6 +32,17 @@ double InversePdf(const CurvedShape& shape, Vec2d u) {
         return pdf > 0 ? shape.placement.AreaScale(local.ng) / pdf : 0;
       },
       shape.surface);
+}
+
+/// The hit of which PointAt makes `p`, a point of the surface.
+template <typename Surface>
+SurfaceHit HitAt(const Surface& surface, Vec3d p) {
+  if constexpr (std::is_same_v<Surface, BilinearPatchSurface>) {
+    const Vec2d uv = ParametersOf(surface, p);
+    return {0, p, uv.x, uv.y};
+  } else {
+    return {0, p};
+  }
 }
 
 bool HasArea(const BilinearPatchSurface& patch) {
@@ -93,6 +105,13 @@ float PdfArea(const CurvedShape& shape, Vec3f p) {
         return static_cast<float>(PdfArea(s, local) / scale);
       },
       shape.surface);
+}
+
+Vec2f UvAt(const CurvedShape& shape, Vec3f p) {
+  const Vec3d local = Placement::Point(shape.placement.to_object, ToDouble(p));
+  const Vec2d uv =
+      std::visit([&](const auto& s) { return PointAt(s, HitAt(s, local)).uv; }, shape.surface);
+  return {static_cast<float>(uv.x), static_cast<float>(uv.y)};
 }
 
 double AreaOf(const CurvedShape& shape) {

@@ -26,6 +26,8 @@ SurfacePoint PointOn(const CurvedShape& shape, const SurfaceHit& hit);
 /// See Geometry::SampleEmitter and EmitterPdfArea.
 EmitterPoint SampleArea(const CurvedShape& shape, Vec2f u);
 float PdfArea(const CurvedShape& shape, Vec3f p);
+/// See Geometry::EmitterUv.
+Vec2f UvAt(const CurvedShape& shape, Vec3f p);
 
 /// Area in the group's space, to about five digits where the placement is no similarity. It costs
 /// thousands of samples: for emitters.

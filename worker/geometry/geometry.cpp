@@ -99,4 +99,8 @@ float Geometry::EmitterPdfArea(const OtherEmitter& emitter, Vec3f p) const {
   return PdfArea(state_->world.curved[emitter.shape], p);
 }
 
+Vec2f Geometry::EmitterUv(uint32_t shape, Vec3f p) const {
+  return UvAt(state_->world.curved[shape], p);
+}
+
 }  // namespace strata

@@ -48,12 +48,14 @@ struct SurfacePoint {
 // Emissive shapes in world space, as light sampling wants them.
 struct TriangleEmitter {
   Vec3f p0, p1, p2;
-  Vec3f ng;  ///< Unit, of the emitting side.
+  Vec3f ng;                                        ///< Unit, of the emitting side.
+  Vec2f uv0 = {0, 0}, uv1 = {1, 0}, uv2 = {1, 1};  ///< Of the corners.
 };
 struct SphereEmitter {  ///< A full sphere under a similarity transform.
   Vec3f center;
   float radius = 0;
   bool inward = false;  ///< The emitting side is the inside.
+  uint32_t shape = 0;   ///< As in OtherEmitter.
 };
 /// Any other shape: sampled by area through Geometry::SampleEmitter.
 struct OtherEmitter {
@@ -66,7 +68,8 @@ struct Emitter {
   std::variant<TriangleEmitter, SphereEmitter, OtherEmitter> shape;
   Rgb radiance;
   bool two_sided = false;
-  float area = 0;  ///< World.
+  TextureId texture = kNoTexture;  ///< Multiplies the radiance, if set.
+  float area = 0;                  ///< World.
 };
 
 /// Two triangles of one shape that make a rectangle, in world space.
@@ -103,6 +106,8 @@ class Geometry {
   EmitterPoint SampleEmitter(const OtherEmitter& emitter, Vec2f u) const;
   /// The density, per unit of world area, with which SampleEmitter finds `p` on the emitter.
   float EmitterPdfArea(const OtherEmitter& emitter, Vec3f p) const;
+  /// The surface's (u, v) at `p`, a point of the emitter with this `shape`.
+  Vec2f EmitterUv(uint32_t shape, Vec3f p) const;
 
   /// The rectangles of materials that `wanted` accepts; not those in instances, nor bilinear
   /// patches.

@@ -129,5 +129,7 @@ LocalPoint SampleArea(const BilinearPatchSurface& patch, Vec2d u);
 double PdfArea(const BilinearPatchSurface& patch, Vec3d p);
 Vec3d NormalAt(const BilinearPatchSurface& patch, Vec3d p);
 Box BoundsOf(const BilinearPatchSurface& patch);
+/// (u, v) in [0, 1]^2 of a point on the patch, not those of its texture.
+Vec2d ParametersOf(const BilinearPatchSurface& patch, Vec3d p);
 
 }  // namespace strata

@@ -159,7 +159,8 @@ class PathTracer {
 
   void AddEmission(const Ray& ray, const Hit& hit, const SurfacePoint& point) {
     const uint32_t surface = static_cast<uint32_t>(point.light);
-    const Rgb radiance = scene_.lights().SurfaceLe(surface, point.ng, -ray.direction);
+    const Rgb radiance = scene_.lights().SurfaceLe(surface, point.ng, -ray.direction,
+                                                   [&]() -> const SurfacePoint& { return point; });
     if (IsBlack(radiance)) return;
     const float weight = EmissionWeight([&] {
       return scene_.lights().SurfacePdf(surface, previous_,

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "common/unit.h"
 #include "worker/geometry/geometry_lanes.h"
 #include "worker/integrator/path.h"
 #include "worker/sampling/sampler_lanes.h"
@@ -80,7 +81,7 @@ class PathLanes {
       ForEachLane(alive & ~found, [&](int lane) { AddEnvironment(lane); });
     if (!Any(found)) return alive;
     surface_ = Surfaces(scene_.geometry(), ray_, hits, found);
-    ForEachLane(found & (surface_.light >= 0), [&](int lane) { AddEmission(lane, hits.t[lane]); });
+    ForEachLane(found & (surface_.light >= 0), [&](int lane) { AddEmission(lane, hits); });
     const MaskLanes last = depth_ == settings_.max_depth;
     MaskLanes going = found & ~(last & (depth_ > 0));
     if (!Any(going)) return alive;
@@ -114,15 +115,17 @@ class PathLanes {
     }
   }
 
-  void AddEmission(int lane, float t) {
+  void AddEmission(int lane, const HitLanes& hits) {
     const LightSet& lights = scene_.lights();
     const uint32_t surface = static_cast<uint32_t>(surface_.light[lane]);
     const Vec3f direction = ray_.direction.Get(lane), ng = surface_.ng.Get(lane);
-    const Rgb radiance = lights.SurfaceLe(surface, ng, -direction);
+    const Rgb radiance = lights.SurfaceLe(surface, ng, -direction, [&] {
+      return scene_.geometry().Surface(ray_.Get(lane), hits.Get(lane));
+    });
     if (IsBlack(radiance)) return;
     const float weight = EmissionWeight(lane, [&] {
       return lights.SurfacePdf(surface, previous_.Get(lane),
-                               {surface_.p.Get(lane), ng, direction, t});
+                               {surface_.p.Get(lane), ng, direction, hits.t[lane]});
     });
     AddRadiance(lane, radiance, weight);
   }

@@ -7,6 +7,7 @@
 #include "worker/light/quad_light.h"
 #include "worker/light/shape_light.h"
 #include "worker/light/sphere_light.h"
+#include "worker/light/textured_light.h"
 #include "worker/light/triangle_light.h"
 
 // All that emits. Each kind is a plain struct with free inline functions in a header of its own:
@@ -18,7 +19,7 @@
 
 namespace strata {
 
-using Light = std::variant<TriangleLight, QuadLight, SphereLight, ShapeLight, ConstantEnvironment,
-                           ImageEnvironment, PointLight, DistantLight>;
+using Light = std::variant<TriangleLight, QuadLight, SphereLight, ShapeLight, TexturedLight,
+                           ConstantEnvironment, ImageEnvironment, PointLight, DistantLight>;
 
 }  // namespace strata

@@ -28,10 +28,12 @@ double SceneRadius(const Geometry& geometry) {
 }  // namespace
 
 absl::StatusOr<LightSet> LightSet::Build(const SceneDescription& scene, const Geometry& geometry,
-                                         const FileSource& source, const LightOptions& options) {
+                                         const TextureSet& textures, const FileSource& source,
+                                         const LightOptions& options) {
   LightSet set;
-  SurfaceLights surfaces = MakeSurfaceLights(geometry, options);
+  SurfaceLights surfaces = MakeSurfaceLights(geometry, textures, options);
   set.light_of_surface_ = std::move(surfaces.light_of_surface);
+  set.textured_ = std::move(surfaces.textured);
   std::vector<PlacedLight>& placed = surfaces.lights;
   for (const LightDescription& description : scene.lights) {
     if (const auto* point = std::get_if<PointLightDescription>(&description.light))

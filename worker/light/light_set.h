@@ -20,9 +20,11 @@ namespace strata {
 /// the others by power, and now and then any that shines. Immutable.
 class LightSet {
  public:
-  /// `geometry` must outlive the set. Errors name the light's place in the scene file.
+  /// `geometry` and `textures`, those of `scene`, must outlive the set. Errors name the light's
+  /// place in the scene file.
   static absl::StatusOr<LightSet> Build(const SceneDescription& scene, const Geometry& geometry,
-                                        const FileSource& source, const LightOptions& options = {});
+                                        const TextureSet& textures, const FileSource& source,
+                                        const LightOptions& options = {});
 
   bool empty() const { return lights_.empty(); }
   const std::vector<Light>& lights() const { return lights_; }
@@ -46,7 +48,9 @@ class LightSet {
   /// The light that the emissive surface `surface` (SurfacePoint::light) is, or is a part of.
   uint32_t LightOfSurface(uint32_t surface) const { return light_of_surface_[surface]; }
   /// Radiance that leaves the emissive surface `surface` (SurfacePoint::light) towards `wo`.
-  Rgb SurfaceLe(uint32_t surface, Vec3f ng, Vec3f wo) const;
+  /// `point()` gives the SurfacePoint there and is asked for it where the radiance varies.
+  template <typename Point>
+  Rgb SurfaceLe(uint32_t surface, Vec3f ng, Vec3f wo, Point&& point) const;
   /// Density per solid angle with which Select and SampleLi find a point of `surface`.
   float SurfacePdf(uint32_t surface, const LightReceiver& receiver, const EmissionHit& hit) const;
   std::optional<LightSample> Sample(uint32_t light, Vec3f from, Vec2f u) const;
@@ -86,6 +90,7 @@ class LightSet {
   std::vector<uint32_t> light_of_surface_;
   std::vector<uint32_t> environments_;
   std::vector<std::unique_ptr<EnvironmentImage>> images_;
+  std::vector<std::unique_ptr<TexturedSurface>> textured_;
   std::vector<Group> groups_;
   std::vector<Place> places_;  ///< Of each light.
   LightTree tree_;
@@ -122,12 +127,14 @@ inline float LightSet::Probability(uint32_t light, const LightReceiver& receiver
                                      : group.probability;
 }
 
-inline Rgb LightSet::SurfaceLe(uint32_t surface, Vec3f ng, Vec3f wo) const {
+template <typename Point>
+Rgb LightSet::SurfaceLe(uint32_t surface, Vec3f ng, Vec3f wo, Point&& point) const {
   const Light& l = lights_[light_of_surface_[surface]];
   if (const auto* triangle = std::get_if<TriangleLight>(&l)) return Le(*triangle, ng, wo);
   if (const auto* quad = std::get_if<QuadLight>(&l)) return Le(*quad, ng, wo);
   if (const auto* sphere = std::get_if<SphereLight>(&l)) return Le(*sphere, ng, wo);
-  return Le(*std::get_if<ShapeLight>(&l), ng, wo);
+  if (const auto* shape = std::get_if<ShapeLight>(&l)) return Le(*shape, ng, wo);
+  return Le(*std::get_if<TexturedLight>(&l), point(), wo);
 }
 
 inline float LightSet::SurfacePdf(uint32_t surface, const LightReceiver& receiver,
@@ -141,7 +148,9 @@ inline float LightSet::SurfacePdf(uint32_t surface, const LightReceiver& receive
     return probability * PdfLi(*quad, receiver.p, hit);
   if (const auto* sphere = std::get_if<SphereLight>(&l))
     return probability * PdfLi(*sphere, receiver.p, hit);
-  return probability * PdfLi(*std::get_if<ShapeLight>(&l), receiver.p, hit);
+  if (const auto* shape = std::get_if<ShapeLight>(&l))
+    return probability * PdfLi(*shape, receiver.p, hit);
+  return probability * PdfLi(*std::get_if<TexturedLight>(&l), receiver.p, hit);
 }
 
 inline std::optional<LightSample> LightSet::Sample(uint32_t light, Vec3f from, Vec2f u) const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "worker/geometry/geometry.h"
@@ -21,11 +22,13 @@ struct PlacedLight {
 /// The emissive surfaces of a scene as lights.
 struct SurfaceLights {
   std::vector<PlacedLight> lights;
-  std::vector<uint32_t> light_of_surface;  ///< By SurfacePoint::light.
+  std::vector<uint32_t> light_of_surface;                  ///< By SurfacePoint::light.
+  std::vector<std::unique_ptr<TexturedSurface>> textured;  ///< What TexturedLights point to.
 };
 
-/// `geometry` must outlive the lights.
-SurfaceLights MakeSurfaceLights(const Geometry& geometry, const LightOptions& options);
+/// `geometry` and `textures` must outlive the lights.
+SurfaceLights MakeSurfaceLights(const Geometry& geometry, const TextureSet& textures,
+                                const LightOptions& options);
 PlacedLight MakePointLight(const PointLightDescription& description);
 
 }  // namespace strata

@@ -35,6 +35,8 @@ class TextureTable {
   /// The texture of a colour parameter, which may name one.
   TextureId Color(ParameterReader& parameters, std::string_view name, std::optional<Rgb> fallback,
                   SpectrumUse use, std::string_view color_space);
+  /// An image that no Texture directive names.
+  TextureId Image(ImageTexture image) { return Add(std::move(image), 1); }
   /// Where the parameter is a constant, its value.
   std::optional<Rgb> ConstantValue(TextureId id) const;
 
@@ -107,12 +109,14 @@ absl::Status ReadLight(const std::string& type, const Transform& world_from_ligh
 /// AreaLightSource "diffuse", whose radiance may depend on the shape it is given to.
 struct AreaLight {
   Rgb radiance;
+  TextureId image = kNoTexture;  ///< Multiplies the radiance.
   bool two_sided = false;
   std::optional<double> power;  ///< If set, `radiance` is per power / (pi area) of each shape.
   SourceLocation where;
 };
 absl::StatusOr<AreaLight> ReadAreaLight(const std::string& type, std::string_view color_space,
-                                        ParameterReader& parameters, ReadContext& context);
+                                        ParameterReader& parameters, TextureTable& textures,
+                                        ReadContext& context);
 
 // ---- shapes ----
 

@@ -107,7 +107,7 @@ absl::Status SceneParser::AreaLightSource() {
   STRATA_ASSIGN_OR_RETURN(const std::string type, ReadString());
   STRATA_ASSIGN_OR_RETURN(ParameterReader parameters, ReadParameters(type, "light"));
   STRATA_ASSIGN_OR_RETURN(state_.area_light,
-                          ReadAreaLight(type, state_.color_space, parameters, context_));
+                          ReadAreaLight(type, state_.color_space, parameters, textures_, context_));
   return absl::OkStatus();
 }
 
@@ -127,7 +127,7 @@ absl::Status SceneParser::PlaceEmission(ShapeDescription& shape) {
   }
   if (IsBlack(radiance)) return absl::OkStatus();
   if (!IsFinite(radiance)) return ErrorAt(light.where, "the area light is too bright");
-  shape.emission = AreaEmission{radiance, light.two_sided};
+  shape.emission = AreaEmission{radiance, light.two_sided, light.image};
   return absl::OkStatus();
 }
 

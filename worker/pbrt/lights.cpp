@@ -2,6 +2,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/image_file.h"
+#include "worker/geometry/image_texels.h"
 #include "worker/math/vec3d.h"
 #include "worker/pbrt/entities.h"
 
@@ -105,6 +107,31 @@ absl::StatusOr<LightDescription> ReadInfinite(const Transform& world_from_light,
                                                                static_cast<float>(scale)}};
 }
 
+/// Of the image's pixels, as emission counts them: pbrt-v4 divides an area light's power by it.
+absl::StatusOr<double> MeanLuminance(const ImageTexture& image, const ReadContext& context) {
+  STRATA_ASSIGN_OR_RETURN(const std::filesystem::path path,
+                          context.Locate(image.path, image.where));
+  const absl::StatusOr<ImageFile> file = ReadImageFile(path);
+  const absl::Status usable = file.ok() ? CheckTexels(*file) : file.status();
+  if (!usable.ok()) return Annotate(usable, StrCat(image.where.ToString(), ": ", image.path));
+  const DecodeTable table = MakeDecodeTable(image.encoding, image.gamma);
+  const ImageTexels texels = ImageTexels::From(*file, image.encoding, image.gamma);
+  double sum = 0;
+  for (int y = 0; y < texels.height; ++y) {
+    for (int x = 0; x < texels.width; ++x) {
+      const Rgb c = texels.At(x, y, table);
+      sum += Luminance({std::max(c.r, 0.0f), std::max(c.g, 0.0f), std::max(c.b, 0.0f)});
+    }
+  }
+  const double mean = sum / (static_cast<double>(texels.width) * texels.height);
+  if (!(mean > 0)) {
+    return ErrorAt(image.where, StrCat("\"", image.path,
+                                       "\" is black, so that no scale gives the "
+                                       "light its \"power\"; leave that out"));
+  }
+  return mean;
+}
+
 }  // namespace
 
 absl::Status ReadLight(const std::string& type, const Transform& world_from_light,
@@ -127,23 +154,36 @@ absl::Status ReadLight(const std::string& type, const Transform& world_from_ligh
 }
 
 absl::StatusOr<AreaLight> ReadAreaLight(const std::string& type, std::string_view color_space,
-                                        ParameterReader& parameters, ReadContext& context) {
+                                        ParameterReader& parameters, TextureTable& textures,
+                                        ReadContext& context) {
   if (type != "diffuse") {
     return ErrorAt(parameters.where(),
                    StrCat("AreaLightSource \"", type, "\" is not supported; use diffuse"));
   }
   AreaLight light;
   light.where = parameters.where();
-  const Rgb radiance =
+  Rgb radiance =
       ColorParameter(parameters, "L", Rgb::Gray(1), SpectrumUse::kIlluminant, color_space, context);
   const double scale = Scale(parameters);
   light.two_sided = parameters.Bool("twosided", false);
   light.power = Level(parameters, "power");
-  light.radiance = Scaled(parameters, radiance, scale);
-  if (const Parameter* image = parameters.Take("filename")) {
-    parameters.Fail(image->where,
-                    "an image as radiance of an area light is not supported; use \"L\"");
+  if (parameters.Has("filename")) {
+    if (parameters.Has("L")) {
+      parameters.Fail(light.where, "an area light has either \"L\" or \"filename\", not both");
+    }
+    ImageTexture image;
+    image.wrap = ImageWrap::kClamp;
+    image.where = light.where;
+    const std::string name = parameters.String("filename", "");
+    STRATA_RETURN_IF_ERROR(parameters.Finish(context.warnings));
+    STRATA_ASSIGN_OR_RETURN(image.path, context.NameFile(name, light.where));
+    if (light.power) {
+      STRATA_ASSIGN_OR_RETURN(const double mean, MeanLuminance(image, context));
+      radiance = radiance * static_cast<float>(1 / mean);
+    }
+    light.image = textures.Image(std::move(image));
   }
+  light.radiance = Scaled(parameters, radiance, scale);
   STRATA_RETURN_IF_ERROR(parameters.Finish(context.warnings));
   return light;
 }

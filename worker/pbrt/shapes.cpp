@@ -66,9 +66,7 @@ TriangleMeshShape ReadTriangleMesh(ParameterReader& parameters) {
 BilinearPatchShape ReadBilinearMesh(ParameterReader& parameters) {
   BilinearPatchShape mesh;
   ReadVertices(parameters, mesh);
-  if (const Parameter* image = parameters.Take("emissionfilename")) {
-    parameters.Fail(image->where, "\"emissionfilename\" is not supported");
-  }
+  parameters.Ignore("emissionfilename");  // says where pbrt samples an area light's image most
   const std::vector<int> indices = ReadIndices(parameters, mesh.positions.size(), 4);
   for (size_t i = 0; i + 3 < indices.size(); i += 4) {
     std::array<uint32_t, 4> patch;

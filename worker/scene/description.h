@@ -152,10 +152,12 @@ struct BilinearPatchShape {
 using ShapeGeometry =
     std::variant<TriangleMeshShape, SphereShape, DiskShape, CylinderShape, BilinearPatchShape>;
 
-/// Emission of a shape. Radiance leaves the side the surface normal points to.
+/// Emission of a shape. Radiance leaves the side the surface normal points to, or both.
 struct AreaEmission {
   Rgb radiance;
   bool two_sided = false;
+  TextureId texture = kNoTexture;  ///< If set: multiplies the radiance, at the point's (u, v). What
+                                   ///< is negative in it counts as 0.
 };
 
 struct ShapeDescription {

@@ -6,7 +6,8 @@
 #include "worker/scene/description.h"
 
 // Which ids the parts of a description hold. ForEach... call f with a reference to each, kNoTexture
-// among them, in no particular order; const parts give const references.
+// among them, in no particular order; const parts give const references. Beside those named here
+// the emission of shapes holds a texture.
 
 namespace strata {
 

@@ -22,8 +22,8 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Build(SceneDescription descr
   STRATA_ASSIGN_OR_RETURN(scene->textures_, TextureSet::Load(description.textures, source));
   STRATA_ASSIGN_OR_RETURN(scene->materials_,
                           MaterialSet::Build(std::move(description.materials), *scene->textures_));
-  STRATA_ASSIGN_OR_RETURN(LightSet lights,
-                          LightSet::Build(description, *scene->geometry_, source, options));
+  STRATA_ASSIGN_OR_RETURN(LightSet lights, LightSet::Build(description, *scene->geometry_,
+                                                           *scene->textures_, source, options));
   scene->lights_ = std::make_unique<LightSet>(std::move(lights));
   if (options.mirrors)
     scene->mirror_images_ =

@@ -89,6 +89,9 @@ void DropTextures(SceneDescription* scene, UnusedParts* unused) {
   UseList used(scene->textures.size());
   for (const MaterialDescription& material : scene->materials)
     ForEachTexture(material, [&](TextureId id) { MarkTexture(*scene, id, &used); });
+  ForEachShape(scene, [&](const ShapeDescription& shape) {
+    if (shape.emission) MarkTexture(*scene, shape.emission->texture, &used);
+  });
   used.Compact(&scene->textures, [&](const TextureDescription& texture) {
     if (!std::holds_alternative<ConstantTexture>(texture)) ++unused->textures;
     if (std::holds_alternative<ImageTexture>(texture)) ++unused->images;
@@ -98,6 +101,9 @@ void DropTextures(SceneDescription* scene, UnusedParts* unused) {
   };
   for (MaterialDescription& material : scene->materials) ForEachTexture(material, renumber);
   for (TextureDescription& texture : scene->textures) ForEachInput(texture, renumber);
+  ForEachShape(scene, [&](ShapeDescription& shape) {
+    if (shape.emission) renumber(shape.emission->texture);
+  });
 }
 
 }  // namespace
