@@ -4,23 +4,22 @@
 #include <unistd.h>
 
 #include <map>
+#include <optional>
 #include <string>
 #include <variant>
 
 #include "common/image_file.h"
 #include "worker/geometry/image_texels.h"
-#include "worker/light/environment.h"
+#include "worker/light/light_files.h"
 
 namespace strata {
 namespace {
 
-/// Path and whether a texture uses the image: what an environment may hold is checked with its
-/// light.
+/// Path and whether a texture uses the image: what a light's may hold is checked with the light.
 std::map<std::string, bool> ImagesOf(const SceneDescription& scene) {
   std::map<std::string, bool> images;
   for (const LightDescription& light : scene.lights) {
-    const auto* image = std::get_if<ImageInfiniteLightDescription>(&light.light);
-    if (image != nullptr) images[image->path] = false;
+    if (const std::optional<std::string> path = LightImagePath(light)) images[*path] = false;
   }
   for (const TextureDescription& texture : scene.textures) {
     if (const auto* image = std::get_if<ImageTexture>(&texture)) images[image->path] = true;
@@ -70,9 +69,7 @@ absl::Status CheckImages(const LoadedScene& loaded) {
   }
   const DirectorySource source(loaded.path.root);
   for (const LightDescription& light : scene.lights) {
-    const auto* image = std::get_if<ImageInfiniteLightDescription>(&light.light);
-    if (image == nullptr) continue;
-    const absl::Status fits = EnvironmentImage::Load(*image, source, false).status();
+    const absl::Status fits = CheckLightFile(light, source);
     if (!fits.ok()) {
       return absl::InvalidArgumentError(
           loaded.path.Located(absl::StrCat(light.where.ToString(), ": ", fits.message())));

@@ -49,6 +49,9 @@ std::string NameOf(const ShapeGeometry& shape) {
 std::string NameOf(const LightDescription& light) {
   return std::visit(
       Overloaded{[](const PointLightDescription&) { return "point"; },
+                 [](const SpotLightDescription&) { return "spot"; },
+                 [](const ProjectionLightDescription&) { return "projection"; },
+                 [](const GoniometricLightDescription&) { return "goniometric"; },
                  [](const DistantLightDescription&) { return "distant"; },
                  [](const ConstantInfiniteLightDescription&) { return "infinite"; },
                  [](const ImageInfiniteLightDescription&) { return "infinite image"; }},

@@ -21,4 +21,6 @@ picture() {
 
 picture cornell-box/cornell-box.pbrt cornell-box/cornell-box.png --resolution 256x256 --spp 256
 picture textures/textures.pbrt textures/textures.png --resolution 320x180 --spp 256
-picture lights/textured.pbrt lights/textured.png --spp 512
+for name in textured spot projection goniometric portal; do
+  picture lights/$name.pbrt lights/$name.png --spp 512
+done

@@ -363,6 +363,73 @@ TEST(Lights, StandInTheWorld) {
   EXPECT_EQ(distant.irradiance, Rgb::Gray(3));
 }
 
+TEST(Lights, SpotsAreReadInTheirSpace) {
+  const PbrtScene scene = World(R"(
+    Translate 0 0 5
+    Rotate 90 0 1 0
+    LightSource "spot" "rgb I" [ 1 2 3 ] "float scale" 2 "point3 from" [ 1 0 0 ]
+      "point3 to" [ 1 0 3 ] "float coneangle" 40 "float conedeltaangle" 10
+    LightSource "spot" "float power" 100
+    LightSource "spot" "float coneangle" 10 "float conedeltaangle" 25)");
+  const auto spot = LightOf<SpotLightDescription>(scene);
+  EXPECT_NEAR(spot.position.z, 4, 1e-12);
+  EXPECT_NEAR(spot.direction.x, 1, 1e-6);
+  EXPECT_EQ(spot.cone_angle, 40);
+  EXPECT_EQ(spot.falloff_start, 30);
+  EXPECT_EQ(spot.intensity, (Rgb{2, 4, 6}));
+  const auto& powered = std::get<SpotLightDescription>(scene.scene.lights.at(1).light);
+  EXPECT_EQ(powered.cone_angle, 30);
+  EXPECT_EQ(powered.falloff_start, 25);
+  // pbrt-v4: 2 pi ((1 - cos 25) + (cos 25 - cos 30) / 2) for an intensity of 1.
+  const double pi = std::acos(-1.0), full = std::cos(25 * pi / 180), none = std::cos(30 * pi / 180);
+  EXPECT_NEAR(powered.intensity.g, 100 / (2 * pi * ((1 - full) + (full - none) / 2)), 1e-3);
+  EXPECT_EQ(std::get<SpotLightDescription>(scene.scene.lights.at(2).light).falloff_start, 0);
+}
+
+TEST(Lights, OfFilesAreReadAndBundled) {
+  SceneFolder folder;
+  folder.Write("maps/slide.png", "never opened here");
+  folder.Write("maps/lamp.ies", "nor is this");
+  folder.Write("scene.pbrt", R"(WorldBegin
+    Translate 1 2 3
+    LightSource "projection" "string filename" "maps/slide.png" "float fov" 30 "float scale" 4
+    LightSource "goniometric" "string filename" "maps/lamp.ies" "rgb I" [ 1 2 3 ] "float power" 9
+      "float scale" 2)");
+  const absl::StatusOr<PbrtScene> scene = folder.Read();
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  EXPECT_TRUE(scene->warnings.empty());
+  EXPECT_EQ(scene->files,
+            (std::vector<std::string>{"maps/lamp.ies", "maps/slide.png", "scene.pbrt"}));
+  const auto projection = LightOf<ProjectionLightDescription>(*scene);
+  EXPECT_EQ(projection.path, "maps/slide.png");
+  EXPECT_EQ(projection.to_world, Transform::Translate(1, 2, 3));
+  EXPECT_EQ(projection.fov, 30);
+  EXPECT_EQ(projection.scale, 4);
+  EXPECT_FALSE(projection.power.has_value());
+  const auto& lamp = std::get<GoniometricLightDescription>(scene->scene.lights.at(1).light);
+  EXPECT_EQ(lamp.path, "maps/lamp.ies");
+  EXPECT_EQ(lamp.intensity, (Rgb{2, 4, 6}));
+  EXPECT_EQ(lamp.power, 9);
+}
+
+TEST(Lights, OfTheSkyMayHaveAPortalInTheWorld) {
+  SceneFolder folder;
+  folder.Write("sky.exr", "never opened here");
+  folder.Write("scene.pbrt", R"(WorldBegin
+    Translate 1 2 3
+    LightSource "infinite" "string filename" "sky.exr"
+      "point3 portal" [ 0 0 0  0 1 0  1 1 0  1 0 0 ]
+    LightSource "infinite" "point3 portal" [ 0 0 0  0 1 0  1 1 0  1 0 0 ])");
+  const absl::StatusOr<PbrtScene> scene = folder.Read();
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  const auto sky = LightOf<ImageInfiniteLightDescription>(*scene);
+  ASSERT_TRUE(sky.portal.has_value());
+  EXPECT_EQ((*sky.portal)[2].x, 1);
+  EXPECT_EQ((*sky.portal)[2].z, 0);
+  ASSERT_EQ(scene->warnings.size(), 1u);
+  EXPECT_NE(scene->warnings[0].text.find("portal"), std::string::npos);
+}
+
 TEST(AreaLights, GiveTheirRadianceToTheShapesOfTheirScope) {
   const PbrtScene scene = World(R"(
     AttributeBegin

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <string>
 
+#include "tests/pbrt/scene_folder.h"
 #include "tests/transport/test_scene.h"
 
 // The fast kernel against the reference kernel: from the same random numbers nearly every sample is
@@ -120,6 +121,28 @@ TEST(KernelTest, LampsMayBeTextured) {
     if (shape.emission) shape.emission->texture = cells;
   }
   EXPECT_GE(AgreeingShare(BuildScene(scene), TestSpec(48, 64, 12), 1e-5), 0.999);
+}
+
+TEST(KernelTest, LightsMayTakeFiles) {
+  const SceneFolder folder;
+  folder.Write("lamp.ies", "TILT=NONE\n1 -1 1 3 1 1 2 0 0 0 1 1 9\n0 60 120\n0\n9 7 1\n");
+  std::string slide = "PF\n2 2\n-1.0\n";
+  for (const float value : {1, 2, 3, 4, 5, 6, 7, 8, 9, 1, 2, 3})
+    slide.append(reinterpret_cast<const char*>(&value), sizeof(value));
+  folder.Write("slide.pfm", slide);
+  TestScene scene = OneOfEach();
+  scene.Light(
+      SpotLightDescription{{1, 3, -1}, Normalize(Vec3f{-0.3f, -1, 0.4f}), 40, 10, {9, 8, 7}});
+  scene.Light(ProjectionLightDescription{
+      "slide.pfm", *Transform::LookAt({2, 3, -3}, {0, 0, 1}, {0, 1, 0})->Inverse(), 40, 0.5f, {}});
+  scene.Light(GoniometricLightDescription{
+      "lamp.ies", Transform::Translate(0, 3, 2), {0.3f, 0.2f, 0.1f}, {}});
+  ImageInfiniteLightDescription sky;
+  sky.path = "slide.pfm";
+  sky.portal = {Vec3d{-2, 2, 2}, {-2, 4, 2}, {2, 4, 2}, {2, 2, 2}};
+  scene.Light(sky);
+  const auto built = BuildScene(scene, DirectorySource(folder.root()));
+  EXPECT_GE(AgreeingShare(built, TestSpec(48, 64, 12), 1e-5), 0.999);
 }
 
 TEST(KernelTest, ChannelsAreTheSame) {

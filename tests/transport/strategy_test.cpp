@@ -164,6 +164,50 @@ TEST(StrategyTest, LightOptionsChangeNoMean) {
   }
 }
 
+/// A room with a window, and light from the sky through it.
+TestScene RoomWithWindow(bool portal) {
+  TestScene scene;
+  const MaterialId wall = scene.Diffuse(0.6f);
+  scene.Polygon({{-2, 0, -3}, {-2, 0, 2}, {2, 0, 2}, {2, 0, -3}}, wall);
+  scene.Polygon({{-2, 3, -3}, {2, 3, -3}, {2, 3, 2}, {-2, 3, 2}}, wall);
+  scene.Polygon({{-2, 0, -3}, {-2, 3, -3}, {-2, 3, 2}, {-2, 0, 2}}, wall);
+  scene.Polygon({{2, 0, -3}, {2, 0, 2}, {2, 3, 2}, {2, 3, -3}}, wall);
+  scene.Polygon({{-2, 0, -3}, {2, 0, -3}, {2, 3, -3}, {-2, 3, -3}}, wall);
+  scene.Polygon({{-2, 0, 2}, {-2, 3, 2}, {-0.6f, 3, 2}, {-0.6f, 0, 2}}, wall);
+  scene.Polygon({{0.6f, 0, 2}, {0.6f, 3, 2}, {2, 3, 2}, {2, 0, 2}}, wall);
+  scene.Polygon({{-0.6f, 0, 2}, {-0.6f, 1, 2}, {0.6f, 1, 2}, {0.6f, 0, 2}}, wall);
+  scene.Polygon({{-0.6f, 2, 2}, {-0.6f, 3, 2}, {0.6f, 3, 2}, {0.6f, 2, 2}}, wall);
+  ImageInfiniteLightDescription sky;
+  sky.path = "sky.pfm";
+  sky.to_world = Transform::Rotate(-90, 1, 0, 0);
+  if (portal) sky.portal = {Vec3d{-0.6, 1, 2}, {-0.6, 2, 2}, {0.6, 2, 2}, {0.6, 1, 2}};
+  scene.Light(sky);
+  scene.Camera({1.5f, 1.5f, -2.5f}, {-0.5f, 0.8f, 1}, 60);
+  return scene;
+}
+
+/// A portal where nothing else lets light in leaves out nothing, and light that no wall hides is
+/// found more often.
+TEST(StrategyTest, PortalsOfARoomChangeNoMean) {
+  const SceneFolder folder;
+  folder.Write("sky.pfm", SkyWithSun());
+  const DirectorySource source(folder.root());
+  const auto mean = [&](bool portal, DirectStrategy direct, uint64_t seed) {
+    JobSpec spec = TestSpec(24, 1024, 4);
+    spec.seed = seed;
+    return FrameMean(RenderFrame(BuildScene(RoomWithWindow(portal), source), spec, direct), 1);
+  };
+  const Estimate with = mean(true, DirectStrategy::kMis, 40);
+  const Estimate without = mean(false, DirectStrategy::kMis, 41);
+  const Estimate light = mean(true, DirectStrategy::kLightOnly, 42);
+  for (const Estimate& other : {without, light}) {
+    EXPECT_TRUE(Agree(with, other)) << with.mean << " +- " << with.standard_error << ", "
+                                    << other.mean << " +- " << other.standard_error;
+    EXPECT_FALSE(Agree({with.mean * 1.05, with.standard_error}, other));
+  }
+  EXPECT_LT(with.standard_error, 0.6 * without.standard_error);
+}
+
 /// So have paths with and without a guide to lamps in mirrors.
 TEST(StrategyTest, GuidesToMirrorsChangeNoMean) {
   for (const float alpha : {0.0f, 0.05f}) {

@@ -149,9 +149,9 @@ class PathTracer {
 
   void AddEnvironment(const Ray& ray) {
     for (uint32_t light : scene_.lights().environments()) {
-      const Rgb radiance = scene_.lights().EnvironmentLe(light, ray.direction);
-      const float weight =
-          EmissionWeight([&] { return scene_.lights().EnvironmentPdf(light, ray.direction); });
+      const Rgb radiance = scene_.lights().EnvironmentLe(light, ray.origin, ray.direction);
+      const float weight = EmissionWeight(
+          [&] { return scene_.lights().EnvironmentPdf(light, previous_.p, ray.direction); });
       result_.radiance += beta_ * radiance * weight;
       observer_.OnMiss(ray, radiance, weight);
     }

@@ -107,11 +107,11 @@ class PathLanes {
 
   void AddEnvironment(int lane) {
     const LightSet& lights = scene_.lights();
-    const Vec3f direction = ray_.direction.Get(lane);
+    const Vec3f origin = ray_.origin.Get(lane), direction = ray_.direction.Get(lane);
     for (uint32_t light : lights.environments()) {
-      const float weight =
-          EmissionWeight(lane, [&] { return lights.EnvironmentPdf(light, direction); });
-      AddRadiance(lane, lights.EnvironmentLe(light, direction), weight);
+      const float weight = EmissionWeight(
+          lane, [&] { return lights.EnvironmentPdf(light, previous_.p.Get(lane), direction); });
+      AddRadiance(lane, lights.EnvironmentLe(light, origin, direction), weight);
     }
   }
 

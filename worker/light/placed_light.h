@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "common/status.h"
 #include "worker/geometry/geometry.h"
 #include "worker/light/light.h"
 #include "worker/light/light_bounds.h"
@@ -30,5 +31,12 @@ struct SurfaceLights {
 SurfaceLights MakeSurfaceLights(const Geometry& geometry, const TextureSet& textures,
                                 const LightOptions& options);
 PlacedLight MakePointLight(const PointLightDescription& description);
+PlacedLight MakeSpotLight(const SpotLightDescription& description);
+/// `projection` and `diagram` must outlive the light.
+PlacedLight MakeProjectionLight(const ProjectionLightDescription& description,
+                                const Projection& projection);
+/// INVALID_ARGUMENT for a transform that shears and a diagram too dark to be given a power.
+absl::StatusOr<PlacedLight> MakeGoniometricLight(const GoniometricLightDescription& description,
+                                                 const Diagram& diagram);
 
 }  // namespace strata

@@ -186,6 +186,28 @@ struct PointLightDescription {
   Vec3d position;  ///< World.
   Rgb intensity;
 };
+/// Full intensity up to falloff_start from the axis, none from cone_angle on.
+struct SpotLightDescription {
+  Vec3d position;                             ///< World.
+  Vec3f direction;                            ///< World, unit, away from the light.
+  float cone_angle = 30, falloff_start = 25;  ///< Degrees; at most 180, falloff_start no more.
+  Rgb intensity;                              ///< Along the axis.
+};
+/// A picture's pixels are intensities. Light space: x to its right, y up, z forward.
+struct ProjectionLightDescription {
+  std::string path;  ///< In the bundle.
+  Transform to_world;
+  float fov = 90;  ///< Degrees, of the picture's shorter side.
+  float scale = 1;
+  std::optional<double> power;  ///< If set: luminance of the power, whatever the scale.
+};
+/// A measured lamp. Light space: y up.
+struct GoniometricLightDescription {
+  std::string path;  ///< In the bundle: pbrt-v4's equal-area octahedral layout, or *.ies.
+  Transform to_world;
+  Rgb intensity;                ///< Multiplies the diagram's.
+  std::optional<double> power;  ///< If set: luminance of the power, whatever the intensity's.
+};
 struct DistantLightDescription {
   Vec3f direction;  ///< World, unit, from the scene towards the light.
   Rgb irradiance;   ///< On a surface that faces it.
@@ -199,11 +221,15 @@ struct ImageInfiniteLightDescription {
   Transform to_world;
   float scale = 1;
   EnvironmentMapping mapping = EnvironmentMapping::kEqualArea;
+  /// World: a rectangle's corners in order, p0 to p3. If set, light comes through it alone, against
+  /// (p3 - p0) x (p1 - p0), to points on that side of it.
+  std::optional<std::array<Vec3d, 4>> portal;
 };
 struct LightDescription {
   SourceLocation where;
-  std::variant<PointLightDescription, DistantLightDescription, ConstantInfiniteLightDescription,
-               ImageInfiniteLightDescription>
+  std::variant<PointLightDescription, SpotLightDescription, ProjectionLightDescription,
+               GoniometricLightDescription, DistantLightDescription,
+               ConstantInfiniteLightDescription, ImageInfiniteLightDescription>
       light;
 };
 

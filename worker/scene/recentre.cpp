@@ -87,6 +87,15 @@ Vec3d Recentre(SceneDescription& scene) {
   for (LightDescription& light : scene.lights) {
     if (auto* point = std::get_if<PointLightDescription>(&light.light))
       point->position = to_new.Point(point->position);
+    if (auto* spot = std::get_if<SpotLightDescription>(&light.light))
+      spot->position = to_new.Point(spot->position);
+    if (auto* projection = std::get_if<ProjectionLightDescription>(&light.light))
+      projection->to_world = to_new * projection->to_world;
+    if (auto* lamp = std::get_if<GoniometricLightDescription>(&light.light))
+      lamp->to_world = to_new * lamp->to_world;
+    if (auto* sky = std::get_if<ImageInfiniteLightDescription>(&light.light); sky && sky->portal) {
+      for (Vec3d& corner : *sky->portal) corner = to_new.Point(corner);
+    }
   }
   for (TextureDescription& texture : scene.textures) {
     if (auto* checkerboard = std::get_if<CheckerboardTexture>(&texture))
