@@ -61,7 +61,7 @@ absl::Status CheckImages(const LoadedScene& loaded) {
       return absl::InvalidArgumentError(
           absl::StrCat(file.status().message(), "; replace it with a whole image"));
     }
-    const absl::Status usable = is_texture ? CheckTexels(*file) : absl::OkStatus();
+    const absl::Status usable = is_texture ? CheckTexels(*file, false) : absl::OkStatus();
     if (!usable.ok()) {
       return absl::InvalidArgumentError(
           absl::StrCat((folder / path).string(), ": ", usable.message(), "; mend or replace it"));

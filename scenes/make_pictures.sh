@@ -24,3 +24,5 @@ picture textures/textures.pbrt textures/textures.png --resolution 320x180 --spp 
 for name in textured spot projection goniometric portal; do
   picture lights/$name.pbrt lights/$name.png --spp 512
 done
+picture detail/detail.pbrt detail/detail.png
+picture leaves/leaves.pbrt leaves/leaves.png

@@ -276,17 +276,46 @@ TEST(Materials, WarnOfWhatTheyLeaveOut) {
   SceneFolder folder;
   folder.Write("bumps.png", "");
   folder.Write("scene.pbrt", R"(WorldBegin
-    Material "diffuse" "string normalmap" "bumps.png" Shape "sphere"
     Material "dielectric" "spectrum eta" "glass-F11" Shape "sphere"
-    Material "coateddiffuse" "float g" 0.5 "integer nsamples" 4 Shape "sphere")");
+    Material "coateddiffuse" "float g" 0.5 "integer nsamples" 4 Shape "sphere"
+    MakeNamedMaterial "a" "string type" "diffuse"
+    Material "mix" "string materials" [ "a" "a" ] "string normalmap" "bumps.png" Shape "sphere")");
   const absl::StatusOr<PbrtScene> scene = folder.Read();
   ASSERT_TRUE(scene.ok()) << scene.status();
   ASSERT_EQ(scene->warnings.size(), 3u);
   EXPECT_EQ(scene->warnings[0].where.line, 2);
   EXPECT_EQ(scene->warnings[1].where.line, 3);
-  EXPECT_NEAR(MaterialOf<DielectricMaterial>(*scene, 2).eta, 1.7847, 1e-4);
+  EXPECT_EQ(scene->warnings[2].where.line, 5);
+  EXPECT_NEAR(MaterialOf<DielectricMaterial>(*scene, 1).eta, 1.7847, 1e-4);
   // What is left out need not be shipped.
   EXPECT_EQ(scene->files, (std::vector<std::string>{"scene.pbrt"}));
+}
+
+TEST(Materials, HaveNormalAndBumpMaps) {
+  SceneFolder folder;
+  folder.Write("normals.png", "");
+  folder.Write("bumps.png", "");
+  folder.Write("unused.png", "");
+  folder.Write("scene.pbrt", R"(WorldBegin
+    Texture "bumps" "float" "imagemap" "string filename" "bumps.png"
+    Material "diffuse" "string normalmap" "unused.png"
+    NamedMaterial "later" Shape "sphere"
+    MakeNamedMaterial "later" "string type" "conductor" "string normalmap" "normals.png"
+    Material "diffuse" "texture displacement" "bumps" Shape "sphere"
+    Material "diffuse" "float displacement" 0.1 Shape "sphere")");
+  const absl::StatusOr<PbrtScene> scene = folder.Read();
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  EXPECT_TRUE(scene->warnings.empty());
+  const SceneDescription& s = scene->scene;
+  ASSERT_EQ(s.surface_details.size(), 2u);
+  const SurfaceDetail& mapped = s.surface_details.at(s.shapes.at(0).material);
+  const auto& image = std::get<ImageTexture>(s.textures.at(mapped.normal_map));
+  EXPECT_EQ(image.path, "normals.png");
+  EXPECT_EQ(image.encoding, ImageEncoding::kLinear);
+  const SurfaceDetail& bumpy = s.surface_details.at(s.shapes.at(1).material);
+  EXPECT_EQ(std::get<ImageTexture>(s.textures.at(bumpy.displacement)).path, "bumps.png");
+  EXPECT_FALSE(s.surface_details.contains(s.shapes.at(2).material));
+  EXPECT_EQ(scene->files, (std::vector<std::string>{"bumps.png", "normals.png", "scene.pbrt"}));
 }
 
 TEST(Textures, AreReadWithAllTheirParameters) {
@@ -527,9 +556,14 @@ TEST(Meshes, CutAwayByAlphaAreLeftOutUnlessTheyEmit) {
     Shape "sphere" "float alpha" 1
     Shape "sphere" "texture alpha" "holes"
     AreaLightSource "diffuse" Shape "sphere" "float alpha" 0)");
-  EXPECT_EQ(scene.scene.shapes.size(), 3u);
+  ASSERT_EQ(scene.scene.shapes.size(), 3u);
+  EXPECT_EQ(scene.scene.shapes[0].alpha.texture, kNoTexture);
+  const TextureId holes = scene.scene.shapes[1].alpha.texture;
+  ASSERT_NE(holes, kNoTexture);
+  EXPECT_TRUE(std::holds_alternative<CheckerboardTexture>(scene.scene.textures.at(holes)));
+  EXPECT_EQ(scene.scene.shapes[2].alpha.texture, kNoTexture);
   ASSERT_EQ(scene.warnings.size(), 1u);
-  EXPECT_NE(scene.warnings[0].text.find("(2 times)"), std::string::npos);
+  EXPECT_NE(scene.warnings[0].text.find("not seen"), std::string::npos);
 }
 
 }  // namespace

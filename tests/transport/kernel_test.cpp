@@ -53,6 +53,25 @@ TestScene OneOfEach() {
     scene.Sphere({x, 0.7f, 0}, 0.6f, scene.Material(material));
     x += 1.6f;
   }
+  // Mapped normals on a wall and a ball; a screen and a ball of which a part is there.
+  scene.description.textures.push_back(CheckerboardTexture{.a = scene.Texture({0.6f, 0.4f, 0.9f}),
+                                                           .b = scene.Texture({0.5f, 0.6f, 0.95f}),
+                                                           .mapping = {9, 9}});
+  const TextureId normals = static_cast<TextureId>(scene.description.textures.size()) - 1;
+  const auto mapped = [&](const MaterialDescription& description) {
+    const MaterialId material = scene.Material(description);
+    scene.description.surface_details[material] = {.normal_map = normals};
+    return material;
+  };
+  scene.Polygon({{3.9f, 0, 3}, {3.9f, 4, 3}, {3.9f, 4, -4}, {3.9f, 0, -4}},
+                mapped(DiffuseMaterial{half}));
+  scene.Sphere({0, 0.3f, -1.5f}, 0.3f,
+               mapped(ConductorMaterial{.reflectance = half, .roughness = alpha}));
+  scene.Polygon({{-1, 0.1f, -1.2f}, {1, 0.1f, -1.2f}, {1, 1, -1.2f}, {-1, 1, -1.2f}},
+                scene.Diffuse(0.4f));
+  scene.description.shapes.back().alpha.texture = half;
+  scene.Sphere({1.2f, 0.3f, -1.5f}, 0.3f, scene.Diffuse(0.5f));
+  scene.description.shapes.back().alpha.texture = checkerboard;
   ObjectDescription& object = scene.description.objects.emplace_back();
   ShapeDescription& part = object.shapes.emplace_back();
   part.geometry = floor;

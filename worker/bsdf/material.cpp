@@ -156,7 +156,8 @@ struct Lookup {
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<MaterialSet>> MaterialSet::Build(
-    std::vector<MaterialDescription> materials, const TextureSet& textures) {
+    std::vector<MaterialDescription> materials, const TextureSet& textures,
+    const std::map<MaterialId, SurfaceDetail>& details) {
   std::unique_ptr<MaterialSet> set(new MaterialSet(textures));
   const auto count = static_cast<MaterialId>(materials.size());
   const auto error = [](MaterialId id, const std::string& problem) {
@@ -183,7 +184,7 @@ absl::StatusOr<std::unique_ptr<MaterialSet>> MaterialSet::Build(
   set->materials_ = std::move(materials);
   for (const MaterialDescription& material : set->materials_) {
     Entry entry;
-    entry.isotropic = IsIsotropicMaterial(material, textures);
+    entry.plain_frame = IsIsotropicMaterial(material, textures);
     entry.constant = !std::holds_alternative<MixMaterial>(material);
     ForEachTexture(material, [&](TextureId id) {
       if (id != kNoTexture && !textures.IsConstant(id)) entry.constant = false;
@@ -192,10 +193,42 @@ absl::StatusOr<std::unique_ptr<MaterialSet>> MaterialSet::Build(
       entry.bsdf = std::visit(Lookup{textures, set->coats_, set->trapped_light_, {}, {}}, material);
     set->entries_.push_back(entry);
   }
+  STRATA_RETURN_IF_ERROR(set->SetDetails(details));
   return set;
 }
 
-Bsdf MaterialSet::EvaluateTextured(MaterialId id, Vec2f uv, Vec3f p, float u_mix) const {
+absl::Status MaterialSet::SetDetails(const std::map<MaterialId, SurfaceDetail>& details) {
+  for (const auto& [id, detail] : details) {
+    if (id < 0 || static_cast<size_t>(id) >= entries_.size())
+      return absl::InvalidArgumentError(absl::StrCat("there is a normal or bump map for material ",
+                                                     id, ", which does not exist"));
+    if (!detail.Any() || std::holds_alternative<MixMaterial>(materials_[id])) continue;
+    entries_[id].detail = detail;
+    entries_[id].has_detail = true;
+    entries_[id].plain_frame = false;
+  }
+  // Mixes of mixes may stand in any order; they are no deeper than there are materials.
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (size_t id = 0; id < materials_.size(); ++id) {
+      const auto* mix = std::get_if<MixMaterial>(&materials_[id]);
+      if (!mix || entries_[id].has_detail) continue;
+      entries_[id].has_detail = entries_[mix->a].has_detail || entries_[mix->b].has_detail;
+      changed |= entries_[id].has_detail;
+    }
+  }
+  return absl::OkStatus();
+}
+
+SurfacePoint MaterialSet::WithDetail(const SurfacePoint& point,
+                                     const SurfaceDerivatives& derivatives, Vec3f wo,
+                                     float u_mix) const {
+  const MaterialId id = Choose(point.material, point.uv, point.p, u_mix);
+  const std::optional<SurfaceDetail>& detail = entries_[id].detail;
+  return detail ? ApplyDetail(*detail, textures_, derivatives, point, wo) : point;
+}
+
+MaterialId MaterialSet::Choose(MaterialId id, Vec2f uv, Vec3f p, float u_mix) const {
   while (const auto* mix = std::get_if<MixMaterial>(&materials_[id])) {
     const float amount = std::clamp(textures_.Eval(mix->amount, uv, p).r, 0.0f, 1.0f);
     const bool second = u_mix < amount;
@@ -203,6 +236,11 @@ Bsdf MaterialSet::EvaluateTextured(MaterialId id, Vec2f uv, Vec3f p, float u_mix
     u_mix = second ? u_mix / amount : (u_mix - amount) / (1 - amount);
     id = second ? mix->b : mix->a;
   }
+  return id;
+}
+
+Bsdf MaterialSet::EvaluateTextured(MaterialId id, Vec2f uv, Vec3f p, float u_mix) const {
+  id = Choose(id, uv, p, u_mix);
   const Entry& entry = entries_[id];
   if (entry.constant) return entry.bsdf;
   return std::visit(Lookup{textures_, coats_, trapped_light_, uv, p}, materials_[id]);

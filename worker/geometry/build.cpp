@@ -59,9 +59,10 @@ Transform RoundedToFloat(Transform transform) {
 
 Box BoundsOf(const ShapeGroup& group) {
   Box box;
-  for (const TriangleSet::Triangle& triangle : group.triangles.triangles) {
-    for (const uint32_t vertex : triangle.vertices)
-      box.Include(ToDouble(group.triangles.positions[vertex]));
+  for (const TriangleSet* set : {&group.triangles, &group.masked}) {
+    for (const TriangleSet::Triangle& triangle : set->triangles) {
+      for (const uint32_t vertex : triangle.vertices) box.Include(ToDouble(set->positions[vertex]));
+    }
   }
   for (const CurvedShape& shape : group.curved) {
     box.Include(BoundsOf(shape));
@@ -85,6 +86,12 @@ void Finish(TriangleSet* set) {
   set->uvs.shrink_to_fit();
   set->triangles.shrink_to_fit();
   set->shapes.shrink_to_fit();
+}
+
+bool HasAlpha(const ShapeGroup& group) {
+  return !group.masked.triangles.empty() ||
+         std::any_of(group.curved.begin(), group.curved.end(),
+                     [](const CurvedShape& shape) { return shape.alpha.texture != kNoTexture; });
 }
 
 absl::Status CheckDevice(RTCDevice device, const std::string& doing) {
@@ -137,7 +144,7 @@ absl::StatusOr<std::unique_ptr<Geometry>> Geometry::Build(const SceneDescription
       if (group && !Emits(shape)) continue;
       STRATA_RETURN_IF_ERROR(builder.Add(shape, description.to_world, true, &state.world));
     }
-    if (!group || (group->triangles.triangles.empty() && group->curved.empty())) continue;
+    if (!group || group->IsEmpty()) continue;
     const std::optional<Placement> placement =
         Placement::From(RoundedToFloat(description.to_world));
     if (!placement)
@@ -150,17 +157,21 @@ absl::StatusOr<std::unique_ptr<Geometry>> Geometry::Build(const SceneDescription
     state.instances.push_back(instance);
   }
 
-  Finish(&state.world.triangles);
-  CreateEmbreeScene(state.device, &state.world);
+  const auto finish = [&](ShapeGroup* group) {
+    group->state = &state;
+    Finish(&group->triangles);
+    Finish(&group->masked);
+    CreateEmbreeScene(state.device, group);
+    geometry->triangle_count_ += group->triangles.triangles.size() + group->masked.triangles.size();
+    geometry->has_alpha_ |= HasAlpha(*group);
+  };
+  finish(&state.world);
   Box bounds = BoundsOf(state.world);
-  geometry->triangle_count_ = state.world.triangles.triangles.size();
   absl::flat_hash_map<const ShapeGroup*, Box> object_bounds;
   for (const auto& object : state.objects) {
-    Finish(&object->triangles);
-    CreateEmbreeScene(state.device, object.get());
+    finish(object.get());
     rtcCommitScene(object->scene);
     object_bounds[object.get()] = BoundsOf(*object);
-    geometry->triangle_count_ += object->triangles.triangles.size();
   }
   for (size_t i = 0; i < state.instances.size(); ++i) {
     const Instance& instance = state.instances[i];

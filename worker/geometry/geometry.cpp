@@ -20,14 +20,24 @@ void SetRay(const Ray& from, RTCRay* to) {
   to->time = 0;
   to->tfar = from.t_max;
   to->mask = ~0u;
-  to->id = 0;
+  to->id = from.id;
   to->flags = 0;
 }
 
 SurfacePoint PointIn(const ShapeGroup& group, const Hit& hit) {
   if (hit.geometry == kTriangleGeometry)
     return PointOnTriangle(group.triangles, hit.primitive, hit.u, hit.v);
+  if (hit.geometry == kMaskedGeometry)
+    return PointOnTriangle(group.masked, hit.primitive, hit.u, hit.v);
   return PointOn(group.curved[hit.primitive], {hit.t, ToDouble(hit.local), hit.u, hit.v});
+}
+
+SurfaceDerivatives DerivativesIn(const ShapeGroup& group, const Hit& hit) {
+  if (hit.geometry == kTriangleGeometry)
+    return DerivativesOnTriangle(group.triangles, hit.primitive, hit.u, hit.v);
+  if (hit.geometry == kMaskedGeometry)
+    return DerivativesOnTriangle(group.masked, hit.primitive, hit.u, hit.v);
+  return DerivativesOn(group.curved[hit.primitive], {hit.t, ToDouble(hit.local), hit.u, hit.v});
 }
 
 /// A point of an object in the world. Its error: that in the object's space, one rounding, and what
@@ -90,6 +100,23 @@ SurfacePoint Geometry::Surface(const Ray& /*ray*/, const Hit& hit) const {
   const Instance& instance = state_->instances[hit.instance - kFirstInstance];
   return ToWorld(instance, PointIn(*instance.object, hit));
 }
+
+SurfaceDerivatives Geometry::Derivatives(const Hit& hit) const {
+  if (hit.instance == RTC_INVALID_GEOMETRY_ID) return DerivativesIn(state_->world, hit);
+  const Instance& instance = state_->instances[hit.instance - kFirstInstance];
+  const Placement& placement = instance.placement;
+  const SurfacePoint point = PointIn(*instance.object, hit);
+  const SurfaceDerivatives local = DerivativesIn(*instance.object, hit);
+  // The side that ToWorld chooses for the normal.
+  const bool flipped = Dot(placement.NormalToWorld(ToDouble(point.ns)),
+                           placement.NormalToWorld(ToDouble(point.ng))) < 0;
+  const NormalDerivatives normals(placement, ToDouble(point.ns), flipped);
+  return {ToFloat(Placement::Vector(placement.to_world, ToDouble(local.dpdu))),
+          ToFloat(Placement::Vector(placement.to_world, ToDouble(local.dpdv))),
+          normals(ToDouble(local.dndu)), normals(ToDouble(local.dndv))};
+}
+
+void Geometry::SetTextures(const TextureSet& textures) { state_->textures = &textures; }
 
 EmitterPoint Geometry::SampleEmitter(const OtherEmitter& emitter, Vec2f u) const {
   return SampleArea(state_->world.curved[emitter.shape], u);

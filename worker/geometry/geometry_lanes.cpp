@@ -25,7 +25,7 @@ void SetRays(const RayLanes& from, RTCRay8* to) {
   Store(to->time, FloatLanes{});
   Store(to->tfar, from.t_max);
   Store(to->mask, SameInt(-1));
-  Store(to->id, IntLanes{});
+  Store(to->id, from.id);
   Store(to->flags, IntLanes{});
 }
 

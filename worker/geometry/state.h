@@ -14,13 +14,23 @@ namespace strata {
 // Embree ids of the geometries in a group's scene.
 inline constexpr uint32_t kTriangleGeometry = 0;
 inline constexpr uint32_t kCurvedGeometry = 1;
-inline constexpr uint32_t kFirstInstance = 2;  ///< Only in the world's scene.
+inline constexpr uint32_t kMaskedGeometry = 2;
+inline constexpr uint32_t kFirstInstance = 3;  ///< Only in the world's scene.
 
 /// Shapes that share a space and an Embree scene: the world's own, or those of an object.
 struct ShapeGroup {
   TriangleSet triangles;
+  /// The triangles of shapes with an alpha mask, apart from the others so that only these ask for
+  /// theirs.
+  TriangleSet masked;
+  std::vector<AlphaMask> masks;  ///< Of the shapes of `masked`.
   std::vector<CurvedShape> curved;
   RTCScene scene = nullptr;
+  const Geometry::State* state = nullptr;  ///< That it belongs to.
+
+  bool IsEmpty() const {
+    return triangles.triangles.empty() && masked.triangles.empty() && curved.empty();
+  }
 };
 
 /// An object placed in the world by Embree's instancing.
@@ -37,6 +47,7 @@ struct Geometry::State {
   ShapeGroup world;
   std::vector<std::unique_ptr<ShapeGroup>> objects;
   std::vector<Instance> instances;
+  const TextureSet* textures = nullptr;  ///< Of alpha masks; without them all is there.
 
   State() = default;
   State(const State&) = delete;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <bit>
 #include <cstdint>
 #include <optional>
 
@@ -7,6 +8,7 @@
 #include "worker/integrator/direct_strategy.h"
 #include "worker/light/light_set.h"
 #include "worker/light/mirror_guide.h"
+#include "worker/sampling/hash.h"
 #include "worker/sampling/sampler.h"
 #include "worker/sampling/warp.h"
 #include "worker/scene/scene.h"
@@ -84,11 +86,22 @@ inline bool SidesAgree(const PathVertex& vertex, Vec3f w_world, Vec3f w) {
   return Dot(vertex.point.ng, w_world) * w.z > 0;
 }
 
-inline bool IsBlocked(const Geometry& geometry, const SurfacePoint& point,
-                      const LightSample& light) {
-  if (light.infinite) return geometry.Occluded({OffsetRayOrigin(point, light.wi), light.wi});
-  const Vec3f origin = OffsetRayOrigin(point, light.wi);
-  return geometry.Occluded({origin, light.end - origin, kShadowEnd});
+/// The id of a ray (see Ray) made from the random numbers `u`: unlike its direction, these have the
+/// same bits in both kernels.
+inline uint32_t RayId(Vec2f u, bool shadow) {
+  const uint64_t bits =
+      (uint64_t{std::bit_cast<uint32_t>(u.x)} << 32) | std::bit_cast<uint32_t>(u.y);
+  return static_cast<uint32_t>(HashCombine(shadow ? 1 : 0, bits));
+}
+
+inline bool IsBlocked(const Geometry& geometry, const SurfacePoint& point, const LightSample& light,
+                      uint32_t ray_id) {
+  Ray ray = {.origin = OffsetRayOrigin(point, light.wi), .direction = light.wi, .id = ray_id};
+  if (!light.infinite) {
+    ray.direction = light.end - ray.origin;
+    ray.t_max = kShadowEnd;
+  }
+  return geometry.Occluded(ray);
 }
 
 }  // namespace path_detail
@@ -105,6 +118,7 @@ class PathTracer {
   /// flatten: what is called from here, visits of variants too, is inlined. Left to itself gcc 12
   /// calls them one by one, and 4 to 8 % of the time goes into passing their results.
   [[gnu::flatten]] PathSample Trace(Ray ray) {
+    ray.id = RayId([&] { return sampler_.Get2D(kPairFilm); }, false);
     for (int depth = 0;; ++depth) {
       Hit hit;
       ++result_.rays;
@@ -119,7 +133,7 @@ class PathTracer {
 
       const bool last = depth == settings_.max_depth;
       if (last && depth > 0) break;
-      MakeBsdf(depth, vertex);
+      MakeBsdf(depth, hit, vertex);
       observer_.OnVertex(depth, ray, vertex, beta_);
       if (depth == 0) DescribeFirstHit(vertex);
       if (last) break;
@@ -136,6 +150,12 @@ class PathTracer {
  private:
   Vec2f Get2D(int depth, BouncePair pair) const {
     return sampler_.Get2D(kPairFirstBounce + static_cast<uint32_t>(depth) * kPairsPerBounce + pair);
+  }
+
+  /// See path_detail::RayId; 0 where ids do not matter. `u()` gives the random numbers.
+  template <typename Numbers>
+  uint32_t RayId(Numbers u, bool shadow) const {
+    return scene_.geometry().has_alpha() ? path_detail::RayId(u(), shadow) : 0;
   }
 
   /// MIS weight of emission that the BSDF's direction met, where light sampling would have found it
@@ -175,15 +195,19 @@ class PathTracer {
     return {vertex.point.p, vertex.wo.z < 0 ? -n : n, !Transmits(*vertex.bsdf)};
   }
 
-  void MakeBsdf(int depth, PathVertex& vertex) {
+  void MakeBsdf(int depth, const Hit& hit, PathVertex& vertex) {
     const SurfacePoint& point = vertex.point;
-    vertex.frame = path_detail::ShadingFrame(point, vertex.wo_world,
-                                             scene_.materials().IsIsotropic(point.material));
+    const MaterialSet& materials = scene_.materials();
+    const bool detailed = materials.HasDetail(point.material);
+    vertex.frame = path_detail::ShadingFrame(
+        detailed ? materials.WithDetail(point, scene_.geometry().Derivatives(hit), vertex.wo_world,
+                                        Get2D(depth, kPairLobe).y)
+                 : point,
+        vertex.wo_world, materials.HasPlainFrame(point.material));
     vertex.wo = vertex.frame.ToLocal(vertex.wo_world);
-    vertex.bsdf = scene_.materials().Constant(point.material);
+    vertex.bsdf = materials.Constant(point.material);
     if (vertex.bsdf) return;
-    bsdf_ =
-        scene_.materials().Evaluate(point.material, point.uv, point.p, Get2D(depth, kPairLobe).y);
+    bsdf_ = materials.Evaluate(point.material, point.uv, point.p, Get2D(depth, kPairLobe).y);
     vertex.bsdf = &bsdf_;
   }
 
@@ -210,6 +234,7 @@ class PathTracer {
       return;
     DirectSample direct;
     Vec2f u = Get2D(depth, kPairLight);
+    const uint32_t ray_id = RayId([&] { return u; }, true);
     const float u_low = lights.SelectNeedsLowBits() ? Get2D(depth, kPairSelect).x : 0;
     direct.choice = lights.Select(ReceiverAt(vertex), u.x, u_low);
     if (!(direct.choice.probability > 0)) return;
@@ -228,7 +253,7 @@ class PathTracer {
       direct.weight = PowerHeuristic(light_pdf, direct.bsdf_pdf);
     }
     ++result_.rays;
-    direct.blocked = path_detail::IsBlocked(scene_.geometry(), vertex.point, *light);
+    direct.blocked = path_detail::IsBlocked(scene_.geometry(), vertex.point, *light, ray_id);
     const Rgb contribution =
         direct.blocked ? Rgb{} : beta_ * direct.f * light->radiance * (direct.weight / light_pdf);
     result_.radiance += contribution;
@@ -251,7 +276,9 @@ class PathTracer {
     bsdf_pdf_ = sample->pdf;
     if (sample->transmission) eta_scale_ *= sample->eta * sample->eta;
     previous_ = ReceiverAt(vertex);
-    *ray = {OffsetRayOrigin(vertex.point, wi), wi};
+    *ray = {.origin = OffsetRayOrigin(vertex.point, wi),
+            .direction = wi,
+            .id = RayId([&] { return u; }, false)};
     return true;
   }
 

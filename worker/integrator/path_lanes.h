@@ -56,6 +56,14 @@ class PathLanes {
     depth_ = starting ? IntLanes{} : depth_;
     rays_ = starting ? IntLanes{} : rays_;
     ForEachLane(starting, [&](int lane) { first_hit_[lane] = {}; });
+    if (scene_.geometry().has_alpha())
+      SetRayIds(&ray_, sampler_.Get2D(SameInt(kPairFilm), starting), false, starting);
+  }
+
+  static void SetRayIds(RayLanes* rays, Vec2Lanes u, bool shadow, MaskLanes mask) {
+    ForEachLane(mask, [&](int lane) {
+      rays->id[lane] = static_cast<int32_t>(path_detail::RayId({u.x[lane], u.y[lane]}, shadow));
+    });
   }
 
   PathSample Result(int lane) const {
@@ -158,14 +166,23 @@ class PathLanes {
     const MaterialSet& materials = scene_.materials();
     const MaterialId id = surface_.material[lane];
     const Bsdf* constant = materials.Constant(id);
-    const bool isotropic = materials.IsIsotropic(id);
-    if (constant && isotropic) return *constant;
+    const bool plain = materials.HasPlainFrame(id);
+    if (constant && plain) return *constant;
     const SurfacePoint point = scene_.geometry().Surface(ray_.Get(lane), hits.Get(lane));
-    if (!isotropic) frame_.Set(lane, path_detail::ShadingFrame(point, wo, false));
+    const auto u_mix = [&] {
+      MaskLanes only = {};
+      only[lane] = -1;
+      return Get2D(kPairLobe, only).y[lane];
+    };
+    if (materials.HasDetail(id)) {
+      const SurfaceDerivatives derivatives = scene_.geometry().Derivatives(hits.Get(lane));
+      const SurfacePoint turned = materials.WithDetail(point, derivatives, wo, u_mix());
+      frame_.Set(lane, path_detail::ShadingFrame(turned, wo, false));
+    } else if (!plain) {
+      frame_.Set(lane, path_detail::ShadingFrame(point, wo, false));
+    }
     if (constant) return *constant;
-    MaskLanes only = {};
-    only[lane] = -1;
-    varying_[lane] = materials.Evaluate(id, point.uv, point.p, Get2D(kPairLobe, only).y[lane]);
+    varying_[lane] = materials.Evaluate(id, point.uv, point.p, u_mix());
     return varying_[lane];
   }
 
@@ -198,6 +215,8 @@ class PathLanes {
     });
     if (!Any(mask)) return;
     Vec2Lanes u = Get2D(kPairLight, mask);
+    RayLanes shadow;
+    if (scene_.geometry().has_alpha()) SetRayIds(&shadow, u, true, mask);
     IntLanes light = {};
     FloatLanes probability = SameFloat(1);
     if (lights.SelectNeedsLowBits()) {
@@ -229,7 +248,6 @@ class PathLanes {
     const FloatLanes light_pdf = sample.pdf * probability;
     const FloatLanes weight = sample.delta ? SameFloat(1) : PowerHeuristic(light_pdf, bsdf_pdf);
     rays_ -= mask;
-    RayLanes shadow;
     shadow.origin = OffsetRayOrigins(surface_.p, surface_.offset, surface_.ng, sample.wi);
     shadow.direction = Select(sample.infinite, sample.wi, sample.end - shadow.origin);
     shadow.t_max = sample.infinite ? shadow.t_max : SameFloat(path_detail::kShadowEnd);
@@ -267,6 +285,7 @@ class PathLanes {
     beta_ = Select(going, beta_ * weight, beta_);
     ray_.direction = frame_.ToWorld(wi);
     ray_.origin = OffsetRayOrigins(surface_.p, surface_.offset, surface_.ng, ray_.direction);
+    if (scene_.geometry().has_alpha()) SetRayIds(&ray_, u, false, going);
     previous_ = receiver_;
     return going & SidesAgree(ray_.direction, wi.z);
   }

@@ -119,6 +119,7 @@ void LightSet::BuildTree(const std::vector<PlacedLight>& placed, LightSelection 
   places_.resize(placed.size());
   double total = 0, power = 0;
   for (const PlacedLight& light : placed) {
+    if (light.masked) continue;
     total += light.intensity;
     power += light.power;
   }
@@ -127,7 +128,7 @@ void LightSet::BuildTree(const std::vector<PlacedLight>& placed, LightSelection 
   constexpr double kFaintest = 1e-30;
   std::vector<LightBounds> bounds;
   for (uint32_t i = 0; i < placed.size(); ++i) {
-    if (known && !(placed[i].intensity > 0)) continue;
+    if (placed[i].masked || (known && !(placed[i].intensity > 0))) continue;
     places_[i] = {0, static_cast<uint32_t>(bounds.size())};
     tree_lights_.push_back(i);
     LightBounds& b = bounds.emplace_back(placed[i].bounds);

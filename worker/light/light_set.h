@@ -28,7 +28,9 @@ class LightSet {
                                         const TextureSet& textures, const FileSource& source,
                                         const LightOptions& options = {});
 
-  bool empty() const { return lights_.empty(); }
+  /// Whether there is no light to choose. Lights with an alpha mask are never chosen: rays that
+  /// meet what is there of them find their light.
+  bool empty() const { return groups_.empty(); }
   const std::vector<Light>& lights() const { return lights_; }
 
   struct Choice {
@@ -77,7 +79,7 @@ class LightSet {
   };
   /// Where a light is chosen.
   struct Place {
-    static constexpr uint32_t kNowhere = ~0u;  ///< It is black.
+    static constexpr uint32_t kNowhere = ~0u;  ///< It is black or has an alpha mask.
     uint32_t group = kNowhere;
     uint32_t index = 0;  ///< In the tree, if the group is that.
   };
@@ -128,7 +130,7 @@ inline LightSet::Choice LightSet::Select(const LightReceiver& receiver, float u,
 }
 
 inline float LightSet::Probability(uint32_t light, const LightReceiver& receiver) const {
-  if (lights_.size() == 1) return 1;
+  if (lights_.size() == 1) return empty() ? 0 : 1;
   const Place& place = places_[light];
   if (place.group == Place::kNowhere) return 0;
   const Group& group = groups_[place.group];

@@ -69,7 +69,7 @@ std::optional<QuadLight> QuadOf(const Emitter& a, const Emitter& b, bool solid_a
   const auto* first = std::get_if<TriangleEmitter>(&a.shape);
   const auto* second = std::get_if<TriangleEmitter>(&b.shape);
   if (!first || !second || a.radiance != b.radiance || a.two_sided != b.two_sided ||
-      a.texture != b.texture)
+      a.texture != b.texture || a.masked != b.masked)
     return std::nullopt;
   if (a.texture != kNoTexture && !Continues(UvOf(*first), *second)) return std::nullopt;
   if (!(Dot(first->ng, second->ng) > 1 - 1e-6f)) return std::nullopt;
@@ -191,6 +191,7 @@ SurfaceLights MakeSurfaceLights(const Geometry& geometry, const TextureSet& text
     }
     placed.bounds = BoundsOf(light);
     placed.bounds.two_sided = emitter.two_sided;
+    placed.masked = emitter.masked;
     if (emitter.texture == kNoTexture) {
       placed.light = std::visit([](const auto& plain) { return Light(plain); }, light);
     } else {

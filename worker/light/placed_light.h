@@ -18,6 +18,7 @@ struct PlacedLight {
   LightBounds bounds;    ///< Without an intensity.
   double intensity = 0;  ///< Luminance along a normal, per solid angle.
   double power = 0;
+  bool masked = false;  ///< By alpha: not to be sampled, its points may not be there.
 };
 
 /// The emissive surfaces of a scene as lights.

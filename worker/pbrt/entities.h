@@ -37,6 +37,8 @@ class TextureTable {
                   SpectrumUse use, std::string_view color_space);
   /// An image that no Texture directive names.
   TextureId Image(ImageTexture image) { return Add(std::move(image), 1); }
+  /// The tangent-space normals of the image that the string parameter names; kNoTexture without.
+  TextureId NormalMap(ParameterReader& parameters, std::string_view name);
   /// Where the parameter is a constant, its value.
   std::optional<Rgb> ConstantValue(TextureId id) const;
 
@@ -90,6 +92,8 @@ class MaterialTable {
                                           std::string_view color_space);
   CoatedConductorMaterial ReadCoatedConductor(ParameterReader& parameters,
                                               std::string_view color_space);
+  /// The "normalmap" or the "displacement" of a material of any type.
+  SurfaceDetail ReadDetail(ParameterReader& parameters);
   MixMaterial ReadMix(ParameterReader& parameters);
   void WarnOfLayers(ParameterReader& parameters);
 
@@ -120,12 +124,14 @@ absl::StatusOr<AreaLight> ReadAreaLight(const std::string& type, std::string_vie
 
 // ---- shapes ----
 
-/// Shape "type": its geometry, where a PLY file is still to be read (mesh_files.h). None when it
-/// has nothing to show: no faces (with a warning), or cut away by an "alpha" of 0 and not
-/// `emissive`.
+/// The "alpha" of a shape; none where it leaves nothing there. That of a shape that is there
+/// everywhere is no mask.
+std::optional<AlphaMask> ReadAlpha(ParameterReader& parameters, bool emissive,
+                                   TextureTable& textures, ReadContext& context);
+/// Shape "type": its geometry, where a PLY file is still to be read (mesh_files.h). None (with a
+/// warning) when it has no faces.
 absl::StatusOr<std::optional<ShapeGeometry>> ReadShape(const std::string& type,
-                                                       ParameterReader& parameters, bool emissive,
-                                                       TextureTable& textures,
+                                                       ParameterReader& parameters,
                                                        ReadContext& context);
 
 /// Whether it is a mesh that has none, nor a file to read them from.

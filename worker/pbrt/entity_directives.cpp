@@ -134,10 +134,11 @@ absl::Status SceneParser::PlaceEmission(ShapeDescription& shape) {
 absl::Status SceneParser::Shape() {
   STRATA_ASSIGN_OR_RETURN(const std::string type, ReadString());
   STRATA_ASSIGN_OR_RETURN(ParameterReader parameters, ReadParameters(type, "shape"));
-  STRATA_ASSIGN_OR_RETURN(
-      std::optional<ShapeGeometry> geometry,
-      ReadShape(type, parameters, state_.area_light.has_value(), textures_, context_));
-  if (!geometry) return absl::OkStatus();
+  const std::optional<AlphaMask> alpha =
+      ReadAlpha(parameters, state_.area_light.has_value(), textures_, context_);
+  STRATA_ASSIGN_OR_RETURN(std::optional<ShapeGeometry> geometry,
+                          ReadShape(type, parameters, context_));
+  if (!geometry || !alpha) return absl::OkStatus();
   STRATA_RETURN_IF_ERROR(CheckPlacement(*geometry, state_.ctm, Here()));
   ShapeDescription shape;
   shape.where = Here();
@@ -145,6 +146,7 @@ absl::Status SceneParser::Shape() {
   shape.to_world = state_.ctm;
   shape.material = state_.material;
   shape.reverse_orientation = state_.reverse_orientation;
+  shape.alpha = *alpha;
   if (state_.area_light) STRATA_RETURN_IF_ERROR(PlaceEmission(shape));
   auto& shapes =
       open_object_ ? context_.scene.objects[*open_object_].shapes : context_.scene.shapes;

@@ -128,6 +128,22 @@ CoatedConductorMaterial MaterialTable::ReadCoatedConductor(ParameterReader& para
   return m;
 }
 
+SurfaceDetail MaterialTable::ReadDetail(ParameterReader& parameters) {
+  SurfaceDetail detail;
+  detail.normal_map = textures_.NormalMap(parameters, "normalmap");
+  const TextureId displacement = textures_.Float(parameters, "displacement", std::nullopt);
+  // A height that is the same everywhere turns no normal.
+  if (textures_.ConstantValue(displacement)) return detail;
+  if (detail.Any() && displacement != kNoTexture) {
+    context_.Warn(parameters.where(),
+                  "a material has either a \"normalmap\" or a \"displacement\"; the latter is "
+                  "ignored");
+    return detail;
+  }
+  detail.displacement = displacement;
+  return detail;
+}
+
 MixMaterial MaterialTable::ReadMix(ParameterReader& parameters) {
   MixMaterial mix;
   const std::vector<std::string> names = parameters.Strings("materials");
@@ -178,17 +194,20 @@ absl::StatusOr<MaterialDescription> MaterialTable::Read(const std::string& type,
 
 absl::StatusOr<MaterialId> MaterialTable::Add(const std::string& type, std::string_view color_space,
                                               ParameterReader& parameters) {
-  for (const std::string_view name : {"displacement", "normalmap"}) {
-    if (const Parameter* parameter = parameters.Take(name)) {
-      context_.Warn(parameter->where,
-                    StrCat("\"", name, "\" is not supported; surfaces stay smooth"));
-    }
+  SurfaceDetail detail = ReadDetail(parameters);
+  if (detail.Any() && (type == "mix" || type == "interface")) {
+    context_.Warn(
+        parameters.where(),
+        StrCat("the \"normalmap\" or \"displacement\" of a material \"", type, "\" is ignored"));
+    detail = {};
   }
   STRATA_ASSIGN_OR_RETURN(MaterialDescription material, Read(type, color_space, parameters));
   STRATA_RETURN_IF_ERROR(parameters.Finish(context_.warnings));
   context_.scene.materials.push_back(std::move(material));
   where_.push_back(parameters.where());
-  return static_cast<MaterialId>(where_.size() - 1);
+  const auto id = static_cast<MaterialId>(where_.size() - 1);
+  if (detail.Any()) context_.scene.surface_details[id] = detail;
+  return id;
 }
 
 absl::Status MaterialTable::Define(const std::string& name, std::string_view color_space,
@@ -212,6 +231,10 @@ absl::Status MaterialTable::Define(const std::string& name, std::string_view col
     context_.scene.materials.pop_back();
     where_[named.id] = where_[id];
     where_.pop_back();
+    if (auto detail = context_.scene.surface_details.extract(id)) {
+      detail.key() = named.id;
+      context_.scene.surface_details.insert(std::move(detail));
+    }
   }
   named.defined = true;
   return absl::OkStatus();

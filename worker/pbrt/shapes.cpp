@@ -149,20 +149,6 @@ CylinderShape ReadCylinder(ParameterReader& parameters) {
   return cylinder;
 }
 
-/// True when the shape is cut away everywhere and no light of it is missed.
-bool ReadAlpha(ParameterReader& parameters, bool emissive, TextureTable& textures,
-               ReadContext& context) {
-  const Parameter* alpha = parameters.Take("alpha");
-  if (!alpha) return false;
-  const std::optional<Rgb> constant =
-      textures.ConstantValue(textures.Float(parameters, "alpha", std::nullopt));
-  if (constant && constant->r <= 0 && !emissive) return true;
-  if (!constant || constant->r < 1) {
-    context.Warn(alpha->where, "\"alpha\" is not supported; the shape is opaque");
-  }
-  return false;
-}
-
 absl::StatusOr<ShapeGeometry> ReadGeometry(const std::string& type, ParameterReader& parameters,
                                            ReadContext& context) {
   if (type == "trianglemesh") return ReadTriangleMesh(parameters);
@@ -186,18 +172,27 @@ bool FitsFloat(Vec3d p) {
 
 }  // namespace
 
+std::optional<AlphaMask> ReadAlpha(ParameterReader& parameters, bool emissive,
+                                   TextureTable& textures, ReadContext& context) {
+  const TextureId alpha = textures.Float(parameters, "alpha", std::nullopt);
+  const std::optional<Rgb> constant = textures.ConstantValue(alpha);
+  if (!constant) return AlphaMask{alpha};
+  if (constant->r > 0) return constant->r < 1 ? AlphaMask{alpha} : AlphaMask{};
+  if (!emissive) return std::nullopt;
+  context.Warn(parameters.where(),
+               "lights that are not seen are not supported; the shape of alpha 0 is opaque");
+  return AlphaMask{};
+}
+
 absl::StatusOr<std::optional<ShapeGeometry>> ReadShape(const std::string& type,
-                                                       ParameterReader& parameters, bool emissive,
-                                                       TextureTable& textures,
+                                                       ParameterReader& parameters,
                                                        ReadContext& context) {
   STRATA_ASSIGN_OR_RETURN(ShapeGeometry geometry, ReadGeometry(type, parameters, context));
-  const bool is_cut_away = ReadAlpha(parameters, emissive, textures, context);
   if (const Parameter* displacement = parameters.Take("displacement")) {
     context.Warn(displacement->where,
                  "\"displacement\" is not supported; the shape stays as it is");
   }
   STRATA_RETURN_IF_ERROR(parameters.Finish(context.warnings));
-  if (is_cut_away) return std::nullopt;
   if (IsWithoutFaces(geometry)) {
     WarnWithoutFaces(parameters.where(), context);
     return std::nullopt;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <variant>
@@ -53,7 +54,10 @@ struct ImageTexture {
   float scale = 1;
   bool invert = false;   ///< 1 - value, after `scale` (as pbrt: clamped at 0).
   bool nearest = false;  ///< No filtering ("point"); bilinear otherwise.
-  bool scalar = false;   ///< A float texture: the mean of the channels in all of r, g, b.
+  /// A float texture: in all of r, g, b the alpha channel if the image has one that is not 1
+  /// everywhere, as pbrt-v4, else the mean of the channels.
+  bool scalar = false;
+  bool alpha = false;  ///< The alpha channel in all of r, g, b, never encoded; 1 if there is none.
   SourceLocation where;  ///< That names the image.
 };
 struct ScaleTexture {
@@ -124,6 +128,23 @@ using MaterialDescription =
                  CoatedDiffuseMaterial, CoatedConductorMaterial, DiffuseTransmissionMaterial,
                  MixMaterial, InterfaceMaterial>;
 
+/// What turns the shading normal of a material away from that of the shape, without moving the
+/// surface. At most one of the two maps is set.
+struct SurfaceDetail {
+  /// A tangent-space normal map (PBRT 10.5.3), linear: n = 2 (r, g, b) - 1 has its x along dp/du,
+  /// its z along the shading normal and its y along their cross product.
+  TextureId normal_map = kNoTexture;
+  float normal_scale = 1;  ///< Of n.x and n.y.
+  /// y towards growing v, also where the texture lies mirrored on the surface (glTF); else always
+  /// along normal x dp/du (pbrt).
+  bool y_along_v = false;
+  /// A bump map (PBRT 10.5.2): r is a height along the shading normal, in units of the shape's
+  /// space after all transforms.
+  TextureId displacement = kNoTexture;
+
+  bool Any() const { return normal_map != kNoTexture || displacement != kNoTexture; }
+};
+
 // ---- shapes, in their own space, placed by `to_world` ----
 
 struct TriangleMeshShape {
@@ -160,6 +181,13 @@ struct AreaEmission {
                                    ///< is negative in it counts as 0.
 };
 
+/// Which part of a surface is there: a ray that meets a point goes on with the probability 1 -
+/// alpha as if there were none.
+struct AlphaMask {
+  TextureId texture = kNoTexture;  ///< r is alpha; kNoTexture: 1 everywhere.
+  std::optional<float> cutoff;     ///< If set, alpha counts as 1 from here on and as 0 below.
+};
+
 struct ShapeDescription {
   SourceLocation where;
   ShapeGeometry geometry;
@@ -167,6 +195,7 @@ struct ShapeDescription {
   MaterialId material = 0;
   bool reverse_orientation = false;
   std::optional<AreaEmission> emission;
+  AlphaMask alpha;
 };
 
 /// Shapes that are placed by instances; their to_world leads to the object's space.
@@ -260,6 +289,8 @@ struct SceneDescription {
   CameraDescription camera;
   std::vector<TextureDescription> textures;
   std::vector<MaterialDescription> materials;  ///< Never empty: 0 is pbrt's default, diffuse 0.5.
+  /// Of the materials that have any. A mix has that of the material it chooses.
+  std::map<MaterialId, SurfaceDetail> surface_details;
   std::vector<ShapeDescription> shapes;
   std::vector<ObjectDescription> objects;
   std::vector<InstanceDescription> instances;

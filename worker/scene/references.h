@@ -52,6 +52,12 @@ void ForEachTexture(Material& material, F f) {
       material);
 }
 
+template <typename F>
+void ForEachTexture(SurfaceDetail& detail, F f) {
+  f(detail.normal_map);
+  f(detail.displacement);
+}
+
 /// Of the textures that a texture is made of.
 template <typename Texture, typename F>
 void ForEachInput(Texture& texture, F f) {
