@@ -32,7 +32,9 @@ std::string NameOf(const MaterialDescription& material) {
                  [](const CoatedDiffuseMaterial&) { return "coateddiffuse"; },
                  [](const CoatedConductorMaterial&) { return "coatedconductor"; },
                  [](const DiffuseTransmissionMaterial&) { return "diffusetransmission"; },
-                 [](const MixMaterial&) { return "mix"; },
+                 [](const BlinnMaterial&) { return "blinn"; },
+                 [](const AshikhminShirleyMaterial&) { return "ashikhminshirley"; },
+                 [](const MixMaterial& mix) { return mix.sum ? "mixture" : "mix"; },
                  [](const InterfaceMaterial&) { return "interface"; }},
       material);
 }

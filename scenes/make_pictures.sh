@@ -26,3 +26,4 @@ for name in textured spot projection goniometric portal; do
 done
 picture detail/detail.pbrt detail/detail.png
 picture leaves/leaves.pbrt leaves/leaves.png
+picture lobes/lobes.pbrt lobes/lobes.png

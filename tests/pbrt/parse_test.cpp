@@ -291,6 +291,37 @@ TEST(Materials, WarnOfWhatTheyLeaveOut) {
   EXPECT_EQ(scene->files, (std::vector<std::string>{"scene.pbrt"}));
 }
 
+TEST(Materials, OfStratasOwnKindsAreRead) {
+  const PbrtScene scene = World(R"(
+    Material "blinn" "float eta" 1.4 "float exponent" 30 Shape "sphere"
+    Material "blinn" "rgb reflectance" [ 0.9 0.8 0.7 ] Shape "sphere"
+    Material "ashikhminshirley" "float exponent" 10 "float vexponent" 500
+        "rgb specular" [ 0.1 0.2 0.3 ] Shape "sphere"
+    MakeNamedMaterial "a" "string type" "diffuse"
+    MakeNamedMaterial "b" "string type" "blinn"
+    Material "mixture" "string materials" [ "a" "b" ] "float amount" 0.3 Shape "sphere")");
+  EXPECT_TRUE(scene.warnings.empty());
+  const auto& shapes = scene.scene.shapes;
+  const auto value = [&](TextureId id) {
+    return std::get<ConstantTexture>(scene.scene.textures.at(id)).value;
+  };
+  const auto glass = MaterialOf<BlinnMaterial>(scene, shapes.at(0).material);
+  EXPECT_FLOAT_EQ(value(glass.eta).g, 1.4f);
+  EXPECT_EQ(value(glass.k), Rgb{});
+  EXPECT_EQ(value(glass.exponent).r, 30);
+  const auto metal = MaterialOf<BlinnMaterial>(scene, shapes.at(1).material);
+  EXPECT_FLOAT_EQ(value(metal.reflectance).g, 0.8f);
+  EXPECT_EQ(value(metal.exponent).r, 100);
+  const auto brushed = MaterialOf<AshikhminShirleyMaterial>(scene, shapes.at(2).material);
+  EXPECT_EQ(value(brushed.u_exponent).r, 10);
+  EXPECT_EQ(value(brushed.v_exponent).r, 500);
+  EXPECT_FLOAT_EQ(value(brushed.specular).b, 0.3f);
+  const auto sum = MaterialOf<MixMaterial>(scene, shapes.at(3).material);
+  EXPECT_TRUE(sum.sum);
+  MaterialOf<DiffuseMaterial>(scene, sum.a);
+  MaterialOf<BlinnMaterial>(scene, sum.b);
+}
+
 TEST(Materials, HaveNormalAndBumpMaps) {
   SceneFolder folder;
   folder.Write("normals.png", "");

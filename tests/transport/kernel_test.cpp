@@ -72,6 +72,15 @@ TestScene OneOfEach() {
   scene.description.shapes.back().alpha.texture = half;
   scene.Sphere({1.2f, 0.3f, -1.5f}, 0.3f, scene.Diffuse(0.5f));
   scene.description.shapes.back().alpha.texture = checkerboard;
+  // A sum of lobes, one of them textured, on a ball.
+  const TextureId exponent = scene.Texture(Rgb::Gray(30));
+  scene.Sphere(
+      {-1.2f, 0.3f, -1.5f}, 0.3f,
+      scene.Material(MixMaterial{
+          .a = scene.Material(BlinnMaterial{.reflectance = half, .exponent = exponent}),
+          .b = scene.Material(AshikhminShirleyMaterial{checkerboard, rough, exponent, half}),
+          .amount = half,
+          .sum = true}));
   ObjectDescription& object = scene.description.objects.emplace_back();
   ShapeDescription& part = object.shapes.emplace_back();
   part.geometry = floor;

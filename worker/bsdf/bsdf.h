@@ -5,12 +5,15 @@
 
 #include "worker/math/vec.h"
 
+#include "worker/bsdf/ashikhmin_shirley.h"
+#include "worker/bsdf/blinn.h"
 #include "worker/bsdf/coated_conductor.h"
 #include "worker/bsdf/coated_diffuse.h"
 #include "worker/bsdf/conductor.h"
 #include "worker/bsdf/dielectric.h"
 #include "worker/bsdf/diffuse.h"
 #include "worker/bsdf/diffuse_transmission.h"
+#include "worker/bsdf/mixture.h"
 #include "worker/bsdf/thin_dielectric.h"
 
 // How a point of a surface scatters light. Each kind is a plain struct with free inline functions
@@ -29,7 +32,8 @@
 namespace strata {
 
 using Bsdf = std::variant<DiffuseBsdf, ConductorBsdf, DielectricBsdf, ThinDielectricBsdf,
-                          CoatedDiffuseBsdf, CoatedConductorBsdf, DiffuseTransmissionBsdf>;
+                          CoatedDiffuseBsdf, CoatedConductorBsdf, DiffuseTransmissionBsdf,
+                          BlinnBsdf, AshikhminShirleyBsdf, MixtureBsdf>;
 
 inline Rgb Eval(const Bsdf& bsdf, Vec3f wo, Vec3f wi) {
   return std::visit([&](const auto& b) { return Eval(b, wo, wi); }, bsdf);
@@ -53,6 +57,7 @@ inline bool IsDelta(const Bsdf& bsdf) {
 }
 /// Whether light may pass through the surface.
 inline bool Transmits(const Bsdf& bsdf) {
+  if (const auto* mixture = std::get_if<MixtureBsdf>(&bsdf)) return Transmits(*mixture);
   return std::holds_alternative<DielectricBsdf>(bsdf) ||
          std::holds_alternative<ThinDielectricBsdf>(bsdf) ||
          std::holds_alternative<DiffuseTransmissionBsdf>(bsdf);

@@ -7,27 +7,32 @@
 
 #include "common/status.h"
 #include "worker/bsdf/bsdf.h"
+#include "worker/bsdf/mixture_parts.h"
 #include "worker/geometry/surface_detail.h"
 #include "worker/geometry/texture.h"
 #include "worker/scene/description.h"
 
 namespace strata {
 
+/// Room for a BSDF that is made for one point, with the parts of it if it is a mixture.
+struct BsdfRoom {
+  Bsdf bsdf;
+  MixtureParts parts;
+};
+
 /// All materials of a scene, ready to be evaluated. Immutable after Build, so thread-safe.
 class MaterialSet {
  public:
   /// `textures` outlives the set. INVALID_ARGUMENT with the material's index when a parameter is
-  /// out of its range, an id leads nowhere, or a mix contains itself.
+  /// out of its range, an id leads nowhere, a mix contains itself, or a sum has too many parts.
   static absl::StatusOr<std::unique_ptr<MaterialSet>> Build(
       std::vector<MaterialDescription> materials, const TextureSet& textures,
       const std::map<MaterialId, SurfaceDetail>& details = {});
 
   /// How the surface scatters at texture coordinates `uv` and the world-space point `p`. `u_mix` in
-  /// [0, 1) chooses among the materials of a mix. An interface lets everything pass.
-  Bsdf Evaluate(MaterialId id, Vec2f uv, Vec3f p, float u_mix) const {
-    const Entry& entry = entries_[id];
-    return entry.constant ? entry.bsdf : EvaluateTextured(id, uv, p, u_mix);
-  }
+  /// [0, 1) chooses among the materials of a mix. An interface lets everything pass. The result is
+  /// in `room`, or in the set.
+  const Bsdf& Evaluate(MaterialId id, Vec2f uv, Vec3f p, float u_mix, BsdfRoom* room) const;
   /// The BSDF of a material that is the same everywhere, without a copy; null for others.
   const Bsdf* Constant(MaterialId id) const {
     const Entry& entry = entries_[id];
@@ -54,9 +59,17 @@ class MaterialSet {
   };
 
   explicit MaterialSet(const TextureSet& textures) : textures_(textures) {}
-  Bsdf EvaluateTextured(MaterialId id, Vec2f uv, Vec3f p, float u_mix) const;
-  /// What `id` comes to where it is a mix.
-  MaterialId Choose(MaterialId id, Vec2f uv, Vec3f p, float u_mix) const;
+  /// Adds what the sum at `id` consists of at the point, `weight` times.
+  void AddParts(MaterialId id, float weight, Vec2f uv, Vec3f p, float u_mix,
+                MixtureParts* parts) const;
+  /// The BSDF of a material that is no mix.
+  Bsdf MakeBsdf(MaterialId id, Vec2f uv, Vec3f p) const;
+  struct Choice {
+    MaterialId id = 0;
+    float u_mix = 0;  ///< What is left of the random number.
+  };
+  /// What `id` comes to where it is a mix, but not a sum.
+  Choice Choose(MaterialId id, Vec2f uv, Vec3f p, float u_mix) const;
   absl::Status SetDetails(const std::map<MaterialId, SurfaceDetail>& details);
 
   const TextureSet& textures_;

@@ -91,7 +91,9 @@ SurfaceDerivatives DerivativesOn(const CurvedShape& shape, const SurfaceHit& hit
   const Vec3d ns = std::visit([&](const auto& s) { return PointAt(s, hit).ns; }, shape.surface);
   const LocalDerivatives local =
       std::visit([&](const auto& s) { return DerivativesAt(s, hit); }, shape.surface);
-  const NormalDerivatives normals(placement, ns, shape.flipped);
+  // The side that PointOn chooses for the normal.
+  const bool flipped = Dot(placement.NormalToWorld(ns), ToDouble(PointOn(shape, hit).ns)) < 0;
+  const NormalDerivatives normals(placement, ns, flipped);
   return {ToFloat(Placement::Vector(placement.to_world, local.dpdu)),
           ToFloat(Placement::Vector(placement.to_world, local.dpdv)), normals(local.dndu),
           normals(local.dndv)};

@@ -207,8 +207,8 @@ class PathTracer {
     vertex.wo = vertex.frame.ToLocal(vertex.wo_world);
     vertex.bsdf = materials.Constant(point.material);
     if (vertex.bsdf) return;
-    bsdf_ = materials.Evaluate(point.material, point.uv, point.p, Get2D(depth, kPairLobe).y);
-    vertex.bsdf = &bsdf_;
+    vertex.bsdf = &materials.Evaluate(point.material, point.uv, point.p, Get2D(depth, kPairLobe).y,
+                                      &bsdf_room_);
   }
 
   void DescribeFirstHit(const PathVertex& vertex) {
@@ -307,7 +307,7 @@ class PathTracer {
   bool specular_ = true;    ///< Light sampling could not have found what the ray meets next.
   float bsdf_pdf_ = 0;      ///< Of the ray's direction.
   LightReceiver previous_;  ///< The vertex the ray left.
-  Bsdf bsdf_;               ///< Of the vertex, where it varies over the surface.
+  BsdfRoom bsdf_room_;      ///< Of the vertex, where it varies over the surface.
   bool guided_ = false;     ///< Of the vertex: directions may come from guide_.
   MirrorGuide guide_;
 };

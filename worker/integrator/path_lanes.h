@@ -182,8 +182,7 @@ class PathLanes {
       frame_.Set(lane, path_detail::ShadingFrame(point, wo, false));
     }
     if (constant) return *constant;
-    varying_[lane] = materials.Evaluate(id, point.uv, point.p, u_mix());
-    return varying_[lane];
+    return materials.Evaluate(id, point.uv, point.p, u_mix(), &varying_[lane]);
   }
 
   void DescribeFirstHit(int lane, const Bsdf& bsdf, Vec3f wo) {
@@ -339,9 +338,9 @@ class PathLanes {
   MaskLanes lambertian_ = {};  ///< Scatters as Lambert says, by reflectance_; others by bsdf_.
   RgbLanes reflectance_;
   std::array<const Bsdf*, kLanes> bsdf_ = {};
-  std::array<Vec3f, kLanes> wo_;      ///< Local; not of Lambertian lanes.
-  std::array<Bsdf, kLanes> varying_;  ///< BSDFs that are not the same over the surface.
-  MaskLanes guided_ = {};             ///< Directions may come from guides_.
+  std::array<Vec3f, kLanes> wo_;          ///< Local; not of Lambertian lanes.
+  std::array<BsdfRoom, kLanes> varying_;  ///< For BSDFs that are not the same over the surface.
+  MaskLanes guided_ = {};                 ///< Directions may come from guides_.
   std::array<MirrorGuide, kLanes> guides_;
 };
 

@@ -37,6 +37,8 @@ class TextureTable {
                   SpectrumUse use, std::string_view color_space);
   /// An image that no Texture directive names.
   TextureId Image(ImageTexture image) { return Add(std::move(image), 1); }
+  /// The same number everywhere.
+  TextureId Constant(float value) { return Add(ConstantTexture{Rgb::Gray(value)}, 1); }
   /// The tangent-space normals of the image that the string parameter names; kNoTexture without.
   TextureId NormalMap(ParameterReader& parameters, std::string_view name);
   /// Where the parameter is a constant, its value.
@@ -94,6 +96,12 @@ class MaterialTable {
                                               std::string_view color_space);
   /// The "normalmap" or the "displacement" of a material of any type.
   SurfaceDetail ReadDetail(ParameterReader& parameters);
+  /// Of a power of a cosine; kNoTexture where it is not given and has no default.
+  TextureId ReadExponent(ParameterReader& parameters, std::string_view name,
+                         std::optional<float> fallback);
+  BlinnMaterial ReadBlinn(ParameterReader& parameters, std::string_view color_space);
+  AshikhminShirleyMaterial ReadAshikhminShirley(ParameterReader& parameters,
+                                                std::string_view color_space);
   MixMaterial ReadMix(ParameterReader& parameters);
   void WarnOfLayers(ParameterReader& parameters);
 

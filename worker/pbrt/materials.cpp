@@ -128,6 +128,47 @@ CoatedConductorMaterial MaterialTable::ReadCoatedConductor(ParameterReader& para
   return m;
 }
 
+BlinnMaterial MaterialTable::ReadBlinn(ParameterReader& parameters, std::string_view color_space) {
+  BlinnMaterial m;
+  const Parameter* eta = parameters.Take("eta");
+  if (eta && eta->type == "float") {
+    // A dielectric; metals have spectra.
+    const float index = ReadEta(parameters, "eta");
+    if (parameters.Has("k") || parameters.Has("reflectance"))
+      parameters.Fail(eta->where, "a \"float eta\" excludes \"k\" and \"reflectance\"");
+    m.eta = textures_.Constant(index);
+    m.k = textures_.Constant(0);
+  } else {
+    ReadConductor(parameters, "", color_space, m.eta, m.k, m.reflectance);
+  }
+  m.exponent = ReadExponent(parameters, "exponent", 100);
+  return m;
+}
+
+AshikhminShirleyMaterial MaterialTable::ReadAshikhminShirley(ParameterReader& parameters,
+                                                             std::string_view color_space) {
+  AshikhminShirleyMaterial m;
+  m.reflectance = textures_.Color(parameters, "reflectance", Rgb::Gray(0.5f),
+                                  SpectrumUse::kReflectance, color_space);
+  m.specular = textures_.Color(parameters, "specular", Rgb::Gray(0.05f), SpectrumUse::kReflectance,
+                               color_space);
+  const TextureId both = ReadExponent(parameters, "exponent", 100);
+  m.u_exponent = ReadExponent(parameters, "uexponent", std::nullopt);
+  m.v_exponent = ReadExponent(parameters, "vexponent", std::nullopt);
+  if (m.u_exponent == kNoTexture) m.u_exponent = both;
+  if (m.v_exponent == kNoTexture) m.v_exponent = both;
+  return m;
+}
+
+TextureId MaterialTable::ReadExponent(ParameterReader& parameters, std::string_view name,
+                                      std::optional<float> fallback) {
+  const TextureId id = textures_.Float(parameters, name, fallback);
+  const std::optional<Rgb> value = textures_.ConstantValue(id);
+  if (value && !(value->r >= 0))
+    parameters.Fail(parameters.where(), StrCat("\"", name, "\" must be 0 or more"));
+  return id;
+}
+
 SurfaceDetail MaterialTable::ReadDetail(ParameterReader& parameters) {
   SurfaceDetail detail;
   detail.normal_map = textures_.NormalMap(parameters, "normalmap");
@@ -148,7 +189,8 @@ MixMaterial MaterialTable::ReadMix(ParameterReader& parameters) {
   MixMaterial mix;
   const std::vector<std::string> names = parameters.Strings("materials");
   if (names.size() != 2) {
-    parameters.Fail(parameters.where(), "Material \"mix\" wants \"string materials\" of two names");
+    parameters.Fail(parameters.where(),
+                    StrCat(parameters.directive(), " wants \"string materials\" of two names"));
     return mix;
   }
   mix.a = Use(names[0], parameters.where());
@@ -183,13 +225,21 @@ absl::StatusOr<MaterialDescription> MaterialTable::Read(const std::string& type,
     return DiffuseTransmissionMaterial{color("reflectance", 0.25f), color("transmittance", 0.25f),
                                        static_cast<float>(parameters.Float("scale", 1))};
   }
+  if (type == "blinn") return ReadBlinn(parameters, color_space);
+  if (type == "ashikhminshirley") return ReadAshikhminShirley(parameters, color_space);
   if (type == "mix") return ReadMix(parameters);
+  if (type == "mixture") {
+    MixMaterial sum = ReadMix(parameters);
+    sum.sum = true;
+    return sum;
+  }
   if (type == "interface" || type.empty()) return InterfaceMaterial{};
   return ErrorAt(parameters.where(),
                  StrCat("material \"", type,
                         "\" is not supported; use diffuse, conductor, "
                         "dielectric, thindielectric, coateddiffuse, coatedconductor, "
-                        "diffusetransmission, mix or interface"));
+                        "diffusetransmission, mix, interface, blinn, ashikhminshirley or "
+                        "mixture"));
 }
 
 absl::StatusOr<MaterialId> MaterialTable::Add(const std::string& type, std::string_view color_space,

@@ -117,16 +117,29 @@ struct DiffuseTransmissionMaterial {
   TextureId reflectance = kNoTexture, transmittance = kNoTexture;
   float scale = 1;
 };
+/// Microfacets of Blinn's distribution; a dielectric has k 0.
+struct BlinnMaterial {
+  TextureId eta = kNoTexture, k = kNoTexture;
+  TextureId reflectance = kNoTexture;  ///< As that of ConductorMaterial.
+  TextureId exponent = kNoTexture;
+};
+/// Ashikhmin and Shirley's anisotropic Phong model.
+struct AshikhminShirleyMaterial {
+  TextureId reflectance = kNoTexture, specular = kNoTexture;  ///< Rd and Rs.
+  TextureId u_exponent = kNoTexture, v_exponent = kNoTexture;
+};
 struct MixMaterial {
   MaterialId a = 0, b = 0;
   TextureId amount = kNoTexture;  ///< Of b.
+  /// Every point scatters as the weighted sum of both; else it has one of them, chosen at random.
+  bool sum = false;
 };
 /// No surface at all, only the border of a medium. Shapes of it are left out of the geometry.
 struct InterfaceMaterial {};
 using MaterialDescription =
     std::variant<DiffuseMaterial, ConductorMaterial, DielectricMaterial, ThinDielectricMaterial,
                  CoatedDiffuseMaterial, CoatedConductorMaterial, DiffuseTransmissionMaterial,
-                 MixMaterial, InterfaceMaterial>;
+                 BlinnMaterial, AshikhminShirleyMaterial, MixMaterial, InterfaceMaterial>;
 
 /// What turns the shading normal of a material away from that of the shape, without moving the
 /// surface. At most one of the two maps is set.
@@ -289,7 +302,7 @@ struct SceneDescription {
   CameraDescription camera;
   std::vector<TextureDescription> textures;
   std::vector<MaterialDescription> materials;  ///< Never empty: 0 is pbrt's default, diffuse 0.5.
-  /// Of the materials that have any. A mix has that of the material it chooses.
+  /// Of the materials that have any. A mix has that of the material it chooses, a sum has its own.
   std::map<MaterialId, SurfaceDetail> surface_details;
   std::vector<ShapeDescription> shapes;
   std::vector<ObjectDescription> objects;

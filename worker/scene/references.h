@@ -42,6 +42,16 @@ void ForEachTexture(Material& material, F f) {
         } else if constexpr (std::is_same_v<M, DiffuseTransmissionMaterial>) {
           f(m.reflectance);
           f(m.transmittance);
+        } else if constexpr (std::is_same_v<M, BlinnMaterial>) {
+          f(m.eta);
+          f(m.k);
+          f(m.reflectance);
+          f(m.exponent);
+        } else if constexpr (std::is_same_v<M, AshikhminShirleyMaterial>) {
+          f(m.reflectance);
+          f(m.specular);
+          f(m.u_exponent);
+          f(m.v_exponent);
         } else if constexpr (std::is_same_v<M, MixMaterial>) {
           f(m.amount);
         } else {
