@@ -44,7 +44,8 @@ std::string NameOf(const ShapeGeometry& shape) {
                                [](const SphereShape&) { return "sphere"; },
                                [](const DiskShape&) { return "disk"; },
                                [](const CylinderShape&) { return "cylinder"; },
-                               [](const BilinearPatchShape&) { return "bilinearmesh"; }},
+                               [](const BilinearPatchShape&) { return "bilinearmesh"; },
+                               [](const CurveShape&) { return "curve"; }},
                     shape);
 }
 

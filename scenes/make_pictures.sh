@@ -27,3 +27,10 @@ done
 picture detail/detail.pbrt detail/detail.png
 picture leaves/leaves.pbrt leaves/leaves.png
 picture lobes/lobes.pbrt lobes/lobes.png
+picture cameras/orthographic.pbrt cameras/orthographic.png
+picture cameras/spherical.pbrt cameras/spherical.png
+picture cameras/equalarea.pbrt cameras/equalarea.png
+picture motion/motion.pbrt motion/motion.png
+picture motion/pan.pbrt motion/pan.png
+picture curves/curves.pbrt curves/curves.png
+picture subdivision/subdivision.pbrt subdivision/subdivision.png

@@ -44,7 +44,7 @@ std::optional<Seen> See(const Geometry& geometry, Vec3d origin, Vec3d direction)
   const Ray ray = MakeRay(origin, direction);
   Hit hit;
   if (!geometry.Intersect(ray, &hit)) return std::nullopt;
-  return Seen{geometry.Surface(ray, hit), geometry.Derivatives(hit), hit.primitive};
+  return Seen{geometry.Surface(ray, hit), geometry.Derivatives(ray, hit), hit.primitive};
 }
 
 /// What the derivatives say of a near point, against that point. With `instances`, the shape is an

@@ -85,10 +85,8 @@ TEST(Frame, OfUnknownPartsWarns) {
     PixelFilter "sinc" "float tau" 3
     Film "gbuffer" "float iso" 200
     Option "bool disablepixeljitter" true
-    TransformTimes 0 1
-    ActiveTransform StartTime Translate 0 0 0 ActiveTransform All
     WorldBegin)");
-  ASSERT_EQ(scene.warnings.size(), 8u);
+  ASSERT_EQ(scene.warnings.size(), 6u);
   EXPECT_EQ(scene.warnings[0].where.ToString(), "scene.pbrt:2");
   EXPECT_NE(scene.warnings[0].text.find("halton"), std::string::npos);
 }

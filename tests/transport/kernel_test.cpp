@@ -7,6 +7,7 @@
 #include <string>
 
 #include "tests/pbrt/scene_folder.h"
+#include "tests/transport/kernels.h"
 #include "tests/transport/test_scene.h"
 
 // The fast kernel against the reference kernel: from the same random numbers nearly every sample is
@@ -96,40 +97,6 @@ TestScene OneOfEach() {
   return scene;
 }
 
-Partial Render(const std::shared_ptr<const Scene>& scene, JobSpec spec, KernelKind kernel,
-               SampleRange range) {
-  spec.kernel = kernel;
-  const auto renderer = Renderer::Create(scene, spec);
-  EXPECT_TRUE(renderer.ok()) << renderer.status();
-  RenderPool pool(2);
-  return *(*renderer)->Render({{}, spec.crop, {range}}, pool);
-}
-
-/// The share of samples of which all channels agree within `tolerance`, relative to the greater of
-/// the value and 1e-3.
-double AgreeingShare(const std::shared_ptr<const Scene>& scene, const JobSpec& spec,
-                     double tolerance) {
-  int64_t samples = 0, agreeing = 0;
-  for (uint32_t index = 0; index < spec.spp / kReplicates; ++index) {
-    // Units of one sample of each replicate: its replicates' means are the samples.
-    const Partial fast = Render(scene, spec, KernelKind::kFast, {index, index + 1});
-    const Partial plain = Render(scene, spec, KernelKind::kReference, {index, index + 1});
-    for (int64_t pixel = 0; pixel < spec.crop.Pixels(); ++pixel) {
-      for (int r = 0; r < kReplicates; ++r) {
-        bool agrees = true;
-        for (int c = 0; c < 3; ++c) {
-          const int64_t at = pixel * fast.layout.Doubles() + fast.layout.Mean(r, c);
-          const double a = fast.values[at], b = plain.values[at];
-          agrees = agrees && std::abs(a - b) <= tolerance * std::max(std::abs(b), 1e-3);
-        }
-        ++samples;
-        agreeing += agrees;
-      }
-    }
-  }
-  return static_cast<double>(agreeing) / static_cast<double>(samples);
-}
-
 TEST(KernelTest, NearlyEverySampleIsTheSame) {
   const auto scene = BuildScene(OneOfEach());
   ASSERT_FALSE(scene->mirror_images().empty());
@@ -177,8 +144,8 @@ TEST(KernelTest, ChannelsAreTheSame) {
   const auto scene = BuildScene(OneOfEach());
   JobSpec spec = TestSpec(32, 32, 3);
   spec.channels = {.alpha = true, .albedo = true, .normal = true, .depth = true};
-  const Partial fast = Render(scene, spec, KernelKind::kFast, {0, 4});
-  const Partial plain = Render(scene, spec, KernelKind::kReference, {0, 4});
+  const Partial fast = RenderBy(scene, spec, KernelKind::kFast, {0, 4});
+  const Partial plain = RenderBy(scene, spec, KernelKind::kReference, {0, 4});
   int differing = 0;
   for (int64_t pixel = 0; pixel < spec.crop.Pixels(); ++pixel) {
     for (int i = 0; i < fast.layout.plain; ++i) {
@@ -193,9 +160,9 @@ TEST(KernelTest, ChannelsAreTheSame) {
 TEST(KernelTest, MeansAgree) {
   const auto scene = BuildScene(OneOfEach());
   JobSpec spec = TestSpec(24, 512, 12);
-  const Estimate fast = FrameMean(Render(scene, spec, KernelKind::kFast, {0, 64}), 1);
+  const Estimate fast = FrameMean(RenderBy(scene, spec, KernelKind::kFast, {0, 64}), 1);
   spec.seed = 8;
-  const Estimate plain = FrameMean(Render(scene, spec, KernelKind::kReference, {0, 64}), 1);
+  const Estimate plain = FrameMean(RenderBy(scene, spec, KernelKind::kReference, {0, 64}), 1);
   EXPECT_TRUE(Agree(fast, plain)) << fast.mean << " +- " << fast.standard_error << ", reference "
                                   << plain.mean << " +- " << plain.standard_error;
   EXPECT_FALSE(Agree({fast.mean * 1.03, fast.standard_error}, plain));

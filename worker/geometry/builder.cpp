@@ -97,6 +97,8 @@ absl::Status ShapeBuilder::Add(const ShapeDescription& shape, const Transform& t
   }
   if (const auto* patches = std::get_if<BilinearPatchShape>(&shape.geometry))
     return AddPatches(shape, *patches, placed, may_emit, group);
+  if (const auto* curves = std::get_if<CurveShape>(&shape.geometry))
+    return AddCurves(shape, *curves, placed, &group->curves);
   if (const auto* sphere = std::get_if<SphereShape>(&shape.geometry)) {
     STRATA_RETURN_IF_ERROR(check_radius(sphere->radius));
     STRATA_RETURN_IF_ERROR(

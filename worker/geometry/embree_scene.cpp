@@ -146,6 +146,27 @@ RTCGeometry MakeCurved(RTCDevice device, ShapeGroup* group) {
   return geometry;
 }
 
+RTCGeometry MakeCurves(RTCDevice device, CurveKind kind, const CurveSet& set) {
+  const RTCGeometryType type = kind == CurveKind::kFlat ? RTC_GEOMETRY_TYPE_FLAT_BEZIER_CURVE
+                               : kind == CurveKind::kCylinder
+                                   ? RTC_GEOMETRY_TYPE_ROUND_BEZIER_CURVE
+                                   : RTC_GEOMETRY_TYPE_NORMAL_ORIENTED_BEZIER_CURVE;
+  RTCGeometry geometry = rtcNewGeometry(device, type);
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4,
+                             set.vertices.data(), 0, sizeof(CurveSet::Vertex), set.vertices.size());
+  if (kind == CurveKind::kRibbon) {
+    // The last normal is padding, since Embree reads sixteen bytes of each.
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_NORMAL, 0, RTC_FORMAT_FLOAT3,
+                               set.normals.data(), 0, sizeof(Vec3f), set.vertices.size());
+  }
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT,
+                             set.segments.data(), 0, sizeof(CurveSet::Segment),
+                             set.segments.size());
+  if (kind == CurveKind::kFlat) rtcSetGeometryTessellationRate(geometry, kFlatCurvePieces);
+  rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_MEDIUM);
+  return geometry;
+}
+
 }  // namespace
 
 Geometry::State::~State() {
@@ -168,17 +189,33 @@ void CreateEmbreeScene(RTCDevice device, ShapeGroup* group) {
   if (!group->curved.empty()) Attach(group->scene, MakeCurved(device, group), kCurvedGeometry);
   if (!group->masked.triangles.empty())
     Attach(group->scene, MakeMasked(device, group), kMaskedGeometry);
+  for (const CurveKind kind : {CurveKind::kFlat, CurveKind::kCylinder, CurveKind::kRibbon}) {
+    const CurveSet& set = group->curves[static_cast<size_t>(kind)];
+    if (!set.segments.empty())
+      Attach(group->scene, MakeCurves(device, kind, set),
+             kFirstCurveGeometry + static_cast<unsigned>(kind));
+  }
 }
 
-void AttachInstance(RTCDevice device, RTCScene world, const Instance& instance, uint32_t index) {
+void AttachInstance(RTCDevice device, RTCScene world, const Instance& instance,
+                    const InstanceMotion* motion, uint32_t index) {
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
   rtcSetGeometryInstancedScene(geometry, instance.object->scene);
-  float columns[12];
-  for (int column = 0; column < 4; ++column) {
-    for (int row = 0; row < 3; ++row)
-      columns[3 * column + row] = static_cast<float>(instance.placement.to_world[row][column]);
+  const auto set_transform = [&](unsigned step, const Placement::Rows& to_world) {
+    float columns[12];
+    for (int column = 0; column < 4; ++column) {
+      for (int row = 0; row < 3; ++row)
+        columns[3 * column + row] = static_cast<float>(to_world[row][column]);
+    }
+    rtcSetGeometryTransform(geometry, step, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns);
+  };
+  if (motion) {
+    const unsigned steps = static_cast<unsigned>(motion->steps.size());
+    rtcSetGeometryTimeStepCount(geometry, steps);
+    for (unsigned i = 0; i < steps; ++i) set_transform(i, motion->steps[i]);
+  } else {
+    set_transform(0, instance.placement.to_world);
   }
-  rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns);
   Attach(world, geometry, kFirstInstance + index);
 }
 

@@ -23,6 +23,7 @@ struct Ray {
   Vec3f origin;
   Vec3f direction;  ///< Unit length for camera and path rays; shadow rays may be segments.
   float t_max = std::numeric_limits<float>::infinity();
+  float time = 0;  ///< In [0, 1], of moving instances.
   /// Decides, with the place it meets, whether a surface of partial alpha is there for this ray.
   uint32_t id = 0;
 };
@@ -31,7 +32,8 @@ struct Ray {
 struct Hit {
   float t = 0;
   float u = 0, v = 0;     ///< Barycentric for triangles; parameters of a bilinear patch.
-  Vec3f local;            ///< Of curved shapes: the point in the shape's own space.
+  Vec3f local;            ///< Of curved shapes: the point in the shape's own space; else Embree's
+                          ///< normal.
   uint32_t geometry = 0;  ///< Embree geometry id.
   uint32_t primitive = 0;
   uint32_t instance = ~0u;  ///< ~0: not in an instance.
@@ -109,7 +111,7 @@ class Geometry {
   /// Whether anything lies in (0, ray.t_max).
   bool Occluded(const Ray& ray) const;
   SurfacePoint Surface(const Ray& ray, const Hit& hit) const;
-  SurfaceDerivatives Derivatives(const Hit& hit) const;
+  SurfaceDerivatives Derivatives(const Ray& ray, const Hit& hit) const;
 
   /// Whether any surface has an alpha mask, so that the ids of rays matter.
   bool has_alpha() const { return has_alpha_; }
@@ -135,6 +137,8 @@ class Geometry {
     Vec3f min, max;
   };
   Bounds bounds() const { return bounds_; }
+  /// Whether any instance moves, so that rays at different times meet different scenes.
+  bool moves() const;
   /// Triangles held, those of a shared object once.
   uint64_t triangle_count() const { return triangle_count_; }
 

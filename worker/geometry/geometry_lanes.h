@@ -9,10 +9,12 @@ namespace strata {
 struct RayLanes {
   Vec3Lanes origin, direction;
   FloatLanes t_max = SameFloat(std::numeric_limits<float>::infinity());
+  FloatLanes time = {};
   IntLanes id = {};
 
   Ray Get(int lane) const {
-    return {origin.Get(lane), direction.Get(lane), t_max[lane], static_cast<uint32_t>(id[lane])};
+    return {origin.Get(lane), direction.Get(lane), t_max[lane], time[lane],
+            static_cast<uint32_t>(id[lane])};
   }
 };
 

@@ -95,8 +95,11 @@ inline uint32_t RayId(Vec2f u, bool shadow) {
 }
 
 inline bool IsBlocked(const Geometry& geometry, const SurfacePoint& point, const LightSample& light,
-                      uint32_t ray_id) {
-  Ray ray = {.origin = OffsetRayOrigin(point, light.wi), .direction = light.wi, .id = ray_id};
+                      float time, uint32_t ray_id) {
+  Ray ray = {.origin = OffsetRayOrigin(point, light.wi),
+             .direction = light.wi,
+             .time = time,
+             .id = ray_id};
   if (!light.infinite) {
     ray.direction = light.end - ray.origin;
     ray.t_max = kShadowEnd;
@@ -139,7 +142,7 @@ class PathTracer {
       if (last) break;
 
       StartGuide(depth, vertex);
-      AddDirectLight(depth, vertex);
+      AddDirectLight(depth, vertex, ray.time);
       if (!Scatter(depth, vertex, &ray) || !SurvivesRoulette(depth)) break;
     }
     // A throughput that is no number is a defect of the sample, whether it met light or not.
@@ -200,8 +203,8 @@ class PathTracer {
     const MaterialSet& materials = scene_.materials();
     const bool detailed = materials.HasDetail(point.material);
     vertex.frame = path_detail::ShadingFrame(
-        detailed ? materials.WithDetail(point, scene_.geometry().Derivatives(hit), vertex.wo_world,
-                                        Get2D(depth, kPairLobe).y)
+        detailed ? materials.WithDetail(point, scene_.geometry().Derivatives(ray, hit),
+                                        vertex.wo_world, Get2D(depth, kPairLobe).y)
                  : point,
         vertex.wo_world, materials.HasPlainFrame(point.material));
     vertex.wo = vertex.frame.ToLocal(vertex.wo_world);
@@ -228,7 +231,7 @@ class PathTracer {
     guided_ = guide_.share() > 0;
   }
 
-  void AddDirectLight(int depth, const PathVertex& vertex) {
+  void AddDirectLight(int depth, const PathVertex& vertex, float time) {
     const LightSet& lights = scene_.lights();
     if (lights.empty() || settings_.direct == DirectStrategy::kBsdfOnly || IsDelta(*vertex.bsdf))
       return;
@@ -253,7 +256,7 @@ class PathTracer {
       direct.weight = PowerHeuristic(light_pdf, direct.bsdf_pdf);
     }
     ++result_.rays;
-    direct.blocked = path_detail::IsBlocked(scene_.geometry(), vertex.point, *light, ray_id);
+    direct.blocked = path_detail::IsBlocked(scene_.geometry(), vertex.point, *light, time, ray_id);
     const Rgb contribution =
         direct.blocked ? Rgb{} : beta_ * direct.f * light->radiance * (direct.weight / light_pdf);
     result_.radiance += contribution;
@@ -276,9 +279,9 @@ class PathTracer {
     bsdf_pdf_ = sample->pdf;
     if (sample->transmission) eta_scale_ *= sample->eta * sample->eta;
     previous_ = ReceiverAt(vertex);
-    *ray = {.origin = OffsetRayOrigin(vertex.point, wi),
-            .direction = wi,
-            .id = RayId([&] { return u; }, false)};
+    ray->origin = OffsetRayOrigin(vertex.point, wi);
+    ray->direction = wi;
+    ray->id = RayId([&] { return u; }, false);
     return true;
   }
 

@@ -4,7 +4,6 @@
 #include <optional>
 #include <vector>
 
-#include "common/unit.h"
 #include "worker/geometry/geometry_lanes.h"
 #include "worker/integrator/path.h"
 #include "worker/sampling/sampler_lanes.h"
@@ -22,9 +21,9 @@ class PathLanes {
       : scene_(scene), settings_(settings) {}
 
   /// Traces samples until there are no more. `next(lane, samplers)` starts the next one in a lane
-  /// of the samplers, or is false at the end; `rays(film, lens, mask)` gives the camera rays of
-  /// points of the samplers; `store(lane, sample)` takes what a lane has found, before it starts
-  /// another. flatten: see PathTracer::Trace.
+  /// of the samplers, or is false at the end; `rays(get, mask)` gives camera rays, whose
+  /// random numbers are get(pair); `store(lane, sample)` takes what a lane has found, before it
+  /// starts another. flatten: see PathTracer::Trace.
   template <typename Next, typename CameraRays, typename Store>
   [[gnu::flatten]] void Trace(Next next, CameraRays rays, Store store) {
     MaskLanes alive = {};
@@ -44,10 +43,13 @@ class PathLanes {
   template <typename CameraRays>
   void Start(MaskLanes starting, CameraRays rays) {
     const RayLanes camera = rays(
-        sampler_.Get2D(SameInt(kPairFilm), starting),
-        [&] { return sampler_.Get2D(SameInt(kPairLens), starting); }, starting);
+        [&](SamplePair pair) {
+          return sampler_.Get2D(SameInt(static_cast<int32_t>(pair)), starting);
+        },
+        starting);
     ray_.origin = Select(starting, camera.origin, ray_.origin);
     ray_.direction = Select(starting, camera.direction, ray_.direction);
+    ray_.time = starting ? camera.time : ray_.time;
     const FloatLanes one = SameFloat(1);
     beta_ = Select(starting, {one, one, one}, beta_);
     radiance_ = Select(starting, {}, radiance_);
@@ -175,7 +177,8 @@ class PathLanes {
       return Get2D(kPairLobe, only).y[lane];
     };
     if (materials.HasDetail(id)) {
-      const SurfaceDerivatives derivatives = scene_.geometry().Derivatives(hits.Get(lane));
+      const SurfaceDerivatives derivatives =
+          scene_.geometry().Derivatives(ray_.Get(lane), hits.Get(lane));
       const SurfacePoint turned = materials.WithDetail(point, derivatives, wo, u_mix());
       frame_.Set(lane, path_detail::ShadingFrame(turned, wo, false));
     } else if (!plain) {
@@ -249,6 +252,7 @@ class PathLanes {
     rays_ -= mask;
     shadow.origin = OffsetRayOrigins(surface_.p, surface_.offset, surface_.ng, sample.wi);
     shadow.direction = Select(sample.infinite, sample.wi, sample.end - shadow.origin);
+    shadow.time = ray_.time;
     shadow.t_max = sample.infinite ? shadow.t_max : SameFloat(path_detail::kShadowEnd);
     mask &= ~Occluded(scene_.geometry(), shadow, mask);
     radiance_ =

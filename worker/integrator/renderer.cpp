@@ -47,7 +47,8 @@ constexpr size_t kHeldSamples = 4096;
 /// Non-finite samples of a unit that are named.
 constexpr size_t kMaxReplays = 4;
 
-PixelValue ValueOf(const Renderer::State& job, const PathSample& sample, float weight) {
+/// `time` is that of the camera ray.
+PixelValue ValueOf(const Renderer::State& job, const PathSample& sample, float weight, float time) {
   PixelValue value;
   value.color = sample.radiance * weight;
   if (job.layout.plain == 0) return value;
@@ -65,8 +66,7 @@ PixelValue ValueOf(const Renderer::State& job, const PathSample& sample, float w
     add(sample.normal.y);
     add(sample.normal.z);
   }
-  if (channels.depth)
-    add(sample.hit ? Dot(sample.position - job.camera.position(), job.camera.forward()) : 0);
+  if (channels.depth) add(sample.hit ? job.camera.Depth(sample.position, time) : 0);
   return value;
 }
 
@@ -189,7 +189,7 @@ void TraceOneByOne(const Renderer::State& job, TracedSamples<Sampler>& samples,
     float weight = 1;
     const Ray ray = job.CameraRay(samples.x(), samples.y(), sampler, &weight);
     const PathSample sample = PathTracer(*job.scene, job.settings, sampler, observer).Trace(ray);
-    held.push_back({ValueOf(job, sample, weight), sample.rays});
+    held.push_back({ValueOf(job, sample, weight, ray.time), sample.rays});
   }
 }
 
@@ -199,7 +199,7 @@ void TraceSideBySide(const Renderer::State& job, TracedSamples<Sampler>& samples
   held.clear();
   std::array<size_t, kLanes> place;
   Vec2Lanes pixel;
-  FloatLanes weights = {};
+  FloatLanes weights = {}, times = {};
   PathLanes<Sampler>(*job.scene, job.settings)
       .Trace(
           [&](int lane, SamplerLanes<Sampler>& samplers) {
@@ -212,11 +212,13 @@ void TraceSideBySide(const Renderer::State& job, TracedSamples<Sampler>& samples
             held.emplace_back();
             return true;
           },
-          [&](Vec2Lanes film, auto lens, MaskLanes mask) {
-            return job.CameraRays(pixel, film, lens, mask, &weights);
+          [&](auto get, MaskLanes mask) {
+            const RayLanes starting = job.CameraRays(pixel, get, mask, &weights);
+            times = mask ? starting.time : times;
+            return starting;
           },
           [&](int lane, const PathSample& sample) {
-            held[place[lane]] = {ValueOf(job, sample, weights[lane]), sample.rays};
+            held[place[lane]] = {ValueOf(job, sample, weights[lane], times[lane]), sample.rays};
           });
 }
 
@@ -260,6 +262,7 @@ absl::StatusOr<std::unique_ptr<Renderer>> Renderer::Create(std::shared_ptr<const
   STRATA_RETURN_IF_ERROR(ValidateJobSpec(spec));
   STRATA_ASSIGN_OR_RETURN(const Camera camera,
                           Camera::Create(scene->camera(), spec.width, spec.height));
+  const bool moves = scene->geometry().moves() || camera.moves();
   auto state = std::make_unique<State>(State{
       .scene = std::move(scene),
       .spec = spec,
@@ -267,6 +270,7 @@ absl::StatusOr<std::unique_ptr<Renderer>> Renderer::Create(std::shared_ptr<const
       .camera = camera,
       .filter = FilterSampler(spec.filter),
       .settings = {.max_depth = spec.max_depth, .direct = direct, .features = spec.channels.albedo},
+      .moves = moves,
   });
   return std::unique_ptr<Renderer>(new Renderer(std::move(state)));
 }

@@ -81,6 +81,7 @@ std::string Renderer::State::ReplaySample(int x, int y, uint32_t replicate, uint
       "camera ray from %s towards %s, filter weight %.6g\n",
       x, y, replicate, sample, spec.seed, spec.frame, PositionText(scene->origin(), ray.origin),
       Text(ray.direction), weight);
+  if (moves) absl::StrAppendFormat(&text, "time of motion %.6g\n", ray.time);
   ReplayObserver observer(scene->origin(), &text);
   const PathSample result = PathTracer(*scene, settings, sampler, observer).Trace(ray);
   const Rgb value = result.radiance * weight;

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "worker/pbrt/animated_transform.h"
 #include "worker/pbrt/context.h"
 #include "worker/pbrt/parameters.h"
 #include "worker/pbrt/values.h"
@@ -146,10 +147,19 @@ absl::StatusOr<std::optional<ShapeGeometry>> ReadShape(const std::string& type,
 bool IsWithoutFaces(const ShapeGeometry& geometry);
 void WarnWithoutFaces(const SourceLocation& where, ReadContext& context);
 
+/// Shape "curve", of any basis and degree.
+CurveShape ReadCurve(ParameterReader& parameters);
+/// Adds the curves of `next` to those of `shape` if they differ in nothing else: hair is many small
+/// shapes. False if they do, or are no curves.
+bool JoinCurves(ShapeDescription& shape, const ShapeDescription& next);
+
 /// Errors for a transform that is singular or takes the shape, as far as it is read, beyond what
 /// floats hold.
 absl::Status CheckPlacement(const ShapeGeometry& geometry, const Transform& to_world,
                             const SourceLocation& where);
+
+/// Whether lengths all scale alike.
+bool IsSimilarity(const Transform& transform);
 
 /// The area of a shape in world space. Errors for curved shapes under a transform that is no
 /// similarity.
@@ -158,7 +168,8 @@ absl::StatusOr<double> WorldArea(const ShapeGeometry& geometry, const Transform&
 
 // ---- camera, film and the other directives before WorldBegin ----
 
-absl::Status ReadCamera(const std::string& type, const Transform& camera_from_world,
+/// The shutter is in seconds still.
+absl::Status ReadCamera(const std::string& type, const AnimatedTransform& camera_from_world,
                         ParameterReader& parameters, ReadContext& context);
 absl::Status ReadFilm(const std::string& type, ParameterReader& parameters, ReadContext& context);
 absl::Status ReadPixelFilter(const std::string& type, ParameterReader& parameters,

@@ -1,10 +1,9 @@
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "worker/pbrt/entities.h"
 
-// Camera, film, filter, sampler and integrator.
+// Film, filter, sampler and integrator.
 
 namespace strata {
 namespace {
@@ -64,49 +63,6 @@ void WarnOfSensor(ParameterReader& parameters, ReadContext& context) {
 }
 
 }  // namespace
-
-absl::Status ReadCamera(const std::string& type, const Transform& camera_from_world,
-                        ParameterReader& parameters, ReadContext& context) {
-  const SourceLocation& where = parameters.where();
-  if (type != "perspective") {
-    return ErrorAt(where, StrCat("Camera \"", type, "\" is not supported; use perspective"));
-  }
-  CameraDescription camera;
-  const std::optional<Transform> inverse = camera_from_world.Inverse();
-  if (!inverse) return ErrorAt(where, "the camera's transform cannot be inverted");
-  camera.camera_to_world = *inverse;
-  camera.fov = static_cast<float>(parameters.Float("fov", 90));
-  if (!(camera.fov > 0 && camera.fov < 180)) {
-    parameters.Fail(where, "\"float fov\" must be more than 0 and less than 180 degrees");
-  }
-  camera.lens_radius = static_cast<float>(parameters.Float("lensradius", 0));
-  camera.focal_distance = static_cast<float>(parameters.Float("focaldistance", 1e6));
-  if (camera.lens_radius < 0) parameters.Fail(where, "\"float lensradius\" must not be negative");
-  if (!(camera.focal_distance > 0)) {
-    parameters.Fail(where, "\"float focaldistance\" must be more than 0");
-  }
-  if (parameters.Has("frameaspectratio")) {
-    camera.frame_aspect = static_cast<float>(parameters.Float("frameaspectratio", 1));
-    if (!(*camera.frame_aspect > 0)) {
-      parameters.Fail(where, "\"float frameaspectratio\" must be more than 0");
-    }
-  }
-  if (parameters.Has("screenwindow")) {
-    const std::vector<double> window = parameters.Floats("screenwindow");
-    if (window.size() != 4 || !(window[0] < window[1]) || !(window[2] < window[3])) {
-      parameters.Fail(where, "\"float screenwindow\" wants x0 < x1 and y0 < y1");
-    } else {
-      camera.screen_window = std::array<float, 4>{};
-      std::transform(window.begin(), window.end(), camera.screen_window->begin(),
-                     [](double value) { return static_cast<float>(value); });
-    }
-  }
-  // Nothing moves, so that the shutter changes nothing.
-  parameters.Float("shutteropen", 0);
-  parameters.Float("shutterclose", 1);
-  context.scene.camera = camera;
-  return parameters.Finish(context.warnings);
-}
 
 absl::Status ReadFilm(const std::string& type, ParameterReader& parameters, ReadContext& context) {
   if (!IsOneOf(type, {"rgb", "gbuffer", "spectral"})) {

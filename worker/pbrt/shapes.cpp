@@ -3,6 +3,7 @@
 #include <limits>
 #include <numbers>
 
+#include "worker/geometry/loop_subdivision.h"
 #include "worker/pbrt/entities.h"
 #include "worker/scene/recentre.h"
 
@@ -90,6 +91,24 @@ absl::StatusOr<TriangleMeshShape> ReadPlyMesh(ParameterReader& parameters,
   return mesh;
 }
 
+/// The limit surface of a control mesh, as a mesh of its own.
+absl::StatusOr<ShapeGeometry> ReadLoopSubdivision(ParameterReader& parameters) {
+  TriangleMeshShape control;
+  control.positions = parameters.Point3s("P");
+  const int levels = parameters.Integer("levels", 3);
+  for (const char* name : {"scheme", "N", "uv"}) parameters.Ignore(name);  // as pbrt does
+  const std::vector<int> indices = ReadIndices(parameters, control.positions.size(), 3);
+  for (size_t i = 0; i + 2 < indices.size(); i += 3) {
+    control.triangles.push_back({static_cast<uint32_t>(indices[i]),
+                                 static_cast<uint32_t>(indices[i + 1]),
+                                 static_cast<uint32_t>(indices[i + 2])});
+  }
+  if (!parameters.ok()) return control;
+  absl::StatusOr<TriangleMeshShape> mesh = LoopSubdivide(control, levels);
+  if (!mesh.ok()) return Annotate(mesh.status(), parameters.where().ToString());
+  return *std::move(mesh);
+}
+
 float Positive(ParameterReader& parameters, std::string_view name, double fallback) {
   const double value = parameters.Float(name, fallback);
   if (!(static_cast<float>(value) > 0)) {
@@ -157,11 +176,8 @@ absl::StatusOr<ShapeGeometry> ReadGeometry(const std::string& type, ParameterRea
   if (type == "sphere") return ReadSphere(parameters);
   if (type == "disk") return ReadDisk(parameters);
   if (type == "cylinder") return ReadCylinder(parameters);
-  if (type == "loopsubdiv" || type == "curve") {
-    return ErrorAt(parameters.where(), StrCat("Shape \"", type,
-                                              "\" is not supported yet; convert it to a "
-                                              "trianglemesh"));
-  }
+  if (type == "curve") return ReadCurve(parameters);
+  if (type == "loopsubdiv") return ReadLoopSubdivision(parameters);
   return ErrorAt(parameters.where(), StrCat("unknown Shape \"", type, "\""));
 }
 
@@ -275,6 +291,8 @@ std::optional<double> OwnArea(const ShapeGeometry& geometry) {
 }
 
 }  // namespace
+
+bool IsSimilarity(const Transform& transform) { return SimilarityScale(transform).has_value(); }
 
 absl::StatusOr<double> WorldArea(const ShapeGeometry& geometry, const Transform& to_world,
                                  const SourceLocation& where) {

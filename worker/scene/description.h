@@ -183,8 +183,18 @@ struct BilinearPatchShape {
   std::vector<Vec2f> uvs;
   std::vector<std::array<uint32_t, 4>> patches;  ///< Corners p00, p10, p01, p11.
 };
-using ShapeGeometry =
-    std::variant<TriangleMeshShape, SphereShape, DiskShape, CylinderShape, BilinearPatchShape>;
+/// How a curve has its width: across each ray, all around, or across its normals.
+enum class CurveKind { kFlat, kCylinder, kRibbon };
+/// Any number of curves, as segments of cubic Bezier curves.
+struct CurveShape {
+  CurveKind kind = CurveKind::kFlat;
+  std::vector<Vec3f> positions;    ///< Control points.
+  std::vector<float> radii;        ///< Half the width, for each control point.
+  std::vector<Vec3f> normals;      ///< Ribbons: for each control point.
+  std::vector<uint32_t> segments;  ///< The first of four consecutive control points each.
+};
+using ShapeGeometry = std::variant<TriangleMeshShape, SphereShape, DiskShape, CylinderShape,
+                                   BilinearPatchShape, CurveShape>;
 
 /// Emission of a shape. Radiance leaves the side the surface normal points to, or both.
 struct AreaEmission {
@@ -220,6 +230,7 @@ struct InstanceDescription {
   SourceLocation where;
   int32_t object = 0;
   Transform to_world;
+  std::optional<Transform> to_world_at_end;  ///< At time 1, if it moves: see MotionSteps.
 };
 
 // ---- lights other than emissive shapes ----
@@ -277,14 +288,24 @@ struct LightDescription {
 
 // ---- camera and defaults ----
 
-/// Perspective with a thin lens (PBRT 5.2). Camera space: x right, y up, z forward.
+enum class CameraKind { kPerspective, kOrthographic, kSpherical };
+
+/// PBRT 5.2 and 5.3. Camera space: x right, y up, z forward.
 struct CameraDescription {
+  CameraKind kind = CameraKind::kPerspective;
   Transform camera_to_world;
-  float fov = 90;         ///< Degrees, over the shorter edge of the screen window.
-  float lens_radius = 0;  ///< Scene units.
+  std::optional<Transform> camera_to_world_at_end;  ///< At time 1, if it moves: see MotionSteps.
+  /// Times of motion, at 0 of which things are at their start and at 1 at their end. Before and
+  /// after that they stand still.
+  float shutter_open = 0, shutter_close = 1;
+  float fov = 90;         ///< Perspective alone. Degrees, over the shorter edge of the window.
+  float lens_radius = 0;  ///< Of a thin lens, not of spherical cameras. Scene units.
   float focal_distance = 1e6f;
   std::optional<float> frame_aspect;  ///< Width over height; from the frame if unset.
-  std::optional<std::array<float, 4>> screen_window;  ///< x_min, x_max, y_min, y_max.
+  /// x_min, x_max, y_min, y_max: in units of camera space for orthographic cameras.
+  std::optional<std::array<float, 4>> screen_window;
+  /// How a spherical camera's frame holds the directions around it; y is up.
+  EnvironmentMapping spherical_mapping = EnvironmentMapping::kEqualArea;
 };
 
 /// What the file says of the frame; job options override it.
