@@ -5,6 +5,7 @@
 
 #include "worker/math/elementary.h"
 #include "worker/math/vec.h"
+#include "worker/sampling/disk.h"
 
 namespace strata {
 
@@ -60,6 +61,14 @@ struct Ggx {
     const float half_x = sin_theta * phi.cos + v.x;
     const float half_y = sin_theta * phi.sin + v.y;
     return Normalize(Vec3f{alpha_x * half_x, alpha_y * half_y, half_z});
+  }
+
+  /// The u that SampleVisibleNormal takes to `m`.
+  Vec2f InvertVisibleNormal(Vec3f wo, Vec3f m) const {
+    const Vec3f v = Normalize(Vec3f{alpha_x * wo.x, alpha_y * wo.y, wo.z});
+    const Vec3f half = Normalize(Vec3f{m.x / alpha_x, m.y / alpha_y, m.z});
+    const Vec3f cap = half * (2 * Dot(v, half)) - v;
+    return {TurnOf(cap.x, cap.y), 1 - (cap.z + v.z) / (1 + v.z)};
   }
 
   /// D(m) G1(wo) max(0, wo . m) / |wo.z|, divided by wo . m. So that of the reflected direction is

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "common/unit.h"
 #include "worker/geometry/geometry_lanes.h"
 #include "worker/integrator/path.h"
 #include "worker/sampling/sampler_lanes.h"

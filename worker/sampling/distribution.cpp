@@ -48,6 +48,14 @@ PiecewiseConstant1D::Point PointIn(const PiecewiseConstant1D::Choice& choice, in
   return {x, choice};
 }
 
+/// The number that leads to x among `cells` cells that begin at `starts`.
+float InvertIn(const uint32_t* starts, float x, int cells) {
+  const int cell = std::clamp(CellOf(x, cells), 0, cells - 1);
+  const float fraction = x * static_cast<float>(cells) - static_cast<float>(cell);
+  const float points = static_cast<float>(starts[cell + 1] - starts[cell]);
+  return (static_cast<float>(starts[cell]) + fraction * points) * 0x1p-24f;
+}
+
 std::vector<double> RowSums(std::span<const float> weights, int width, int height) {
   std::vector<double> sums(height, 0.0);
   for (int y = 0; y < height; ++y) {
@@ -75,6 +83,8 @@ PiecewiseConstant1D::PiecewiseConstant1D(std::span<const double> weights)
 PiecewiseConstant1D::Point PiecewiseConstant1D::Sample(float u) const {
   return PointIn(Choose(u), cells());
 }
+
+float PiecewiseConstant1D::Invert(float x) const { return InvertIn(starts_.data(), x, cells()); }
 
 PiecewiseConstant2D::PiecewiseConstant2D(std::span<const float> weights, int width, int height)
     : rows_(RowSums(weights, width, height)),
@@ -106,6 +116,12 @@ float PiecewiseConstant2D::Pdf(Vec2f point) const {
   const uint32_t* start = &starts_[static_cast<size_t>(y) * (width_ + 1) + x];
   return rows_.Probability(y) * static_cast<float>(height) *
          (static_cast<float>(start[1] - start[0]) * 0x1p-24f) * static_cast<float>(width_);
+}
+
+Vec2f PiecewiseConstant2D::Invert(Vec2f point) const {
+  const int y = std::clamp(CellOf(point.y, rows_.cells()), 0, rows_.cells() - 1);
+  const uint32_t* starts = &starts_[static_cast<size_t>(y) * (width_ + 1)];
+  return {InvertIn(starts, point.x, width_), rows_.Invert(point.y)};
 }
 
 }  // namespace strata

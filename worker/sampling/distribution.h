@@ -45,6 +45,10 @@ class PiecewiseConstant1D {
   float Probability(int cell) const {
     return static_cast<float>(starts_[cell + 1] - starts_[cell]) * 0x1p-24f;
   }
+  /// Where the numbers that choose the cell begin.
+  float Start(int cell) const { return static_cast<float>(starts_[cell]) * 0x1p-24f; }
+  /// The u that Sample takes to x, within 2^-24.
+  float Invert(float x) const;
   /// Density at x in [0, 1).
   float Pdf(float x) const {
     const int cell = static_cast<int>(x * static_cast<float>(cells()));
@@ -84,6 +88,8 @@ class PiecewiseConstant2D {
   Vec2f Sample(Vec2f u, float* pdf) const;
   /// Density at a point of [0, 1)^2.
   float Pdf(Vec2f point) const;
+  /// The u that Sample takes to the point, within 2^-24.
+  Vec2f Invert(Vec2f point) const;
 
  private:
   PiecewiseConstant1D rows_;

@@ -1,12 +1,11 @@
 #pragma once
 
-#include <algorithm>
-#include <cmath>
 #include <vector>
 
 #include "common/job.h"
 #include "worker/math/vec.h"
 #include "worker/sampling/distribution.h"
+#include "worker/sampling/inversion.h"
 
 namespace strata {
 
@@ -32,11 +31,8 @@ class FilterAxis {
     }
     const PiecewiseConstant1D::Choice chosen = choice_.Choose(u);
     const Cell& cell = cells_[chosen.cell];
-    const float t = chosen.fraction;
-    // Inverts a linear density (PBRT A.2) in a form that does not cancel.
-    const float root = std::sqrt((1 - t) * cell.first * cell.first + t * cell.last * cell.last);
-    const float within = t * (cell.first + cell.last) / (cell.first + root);
-    return {cell.start + cell.width * std::min(within, 1.0f), cell.weight};
+    const float within = SampleLinear(chosen.fraction, cell.first, cell.last);
+    return {cell.start + cell.width * within, cell.weight};
   }
   /// The filter divided by its integral: weight times density of the samples.
   float Eval(float offset) const;
