@@ -34,3 +34,13 @@ picture motion/motion.pbrt motion/motion.png
 picture motion/pan.pbrt motion/pan.png
 picture curves/curves.pbrt curves/curves.png
 picture subdivision/subdivision.pbrt subdivision/subdivision.png
+
+for sampler in sobol independent halton halton_plain stratified latin_hypercube poisson_disk drand48; do
+  picture soft-shadow/soft-shadow.pbrt soft-shadow/sampler-$sampler.png --sampler $sampler --spp 128 \
+    --allocation uniform --strategy light
+done
+for strategy in mis light bsdf cosine uniform; do
+  picture soft-shadow/soft-shadow.pbrt soft-shadow/strategy-$strategy.png --strategy $strategy \
+    --spp 16 --allocation uniform
+done
+picture soft-shadow/soft-shadow.pbrt soft-shadow/roulette-efficiency.png --roulette efficiency --spp 64

@@ -80,7 +80,7 @@ TEST(Frame, IsReadWithAllItsParameters) {
 
 TEST(Frame, OfUnknownPartsWarns) {
   const PbrtScene scene = Read(R"(
-    Sampler "halton"
+    Sampler "pmj02bn"
     Integrator "bdpt" "bool whatever" true
     PixelFilter "sinc" "float tau" 3
     Film "gbuffer" "float iso" 200
@@ -88,7 +88,26 @@ TEST(Frame, OfUnknownPartsWarns) {
     WorldBegin)");
   ASSERT_EQ(scene.warnings.size(), 6u);
   EXPECT_EQ(scene.warnings[0].where.ToString(), "scene.pbrt:2");
-  EXPECT_NE(scene.warnings[0].text.find("halton"), std::string::npos);
+  EXPECT_NE(scene.warnings[0].text.find("pmj02bn"), std::string::npos);
+}
+
+TEST(Frame, HasTheSamplerOfItsName) {
+  const std::pair<const char*, SamplerKind> samplers[] = {
+      {"\"halton\"", SamplerKind::kHalton},
+      {"\"halton\" \"string randomization\" \"owen\"", SamplerKind::kHalton},
+      {"\"halton\" \"string randomization\" \"none\"", SamplerKind::kHaltonPlain},
+      {"\"halton_plain\"", SamplerKind::kHaltonPlain},
+      {"\"stratified\" \"integer xsamples\" 8", SamplerKind::kStratified},
+      {"\"latin_hypercube\"", SamplerKind::kLatinHypercube},
+      {"\"poisson_disk\"", SamplerKind::kPoissonDisk},
+      {"\"drand48\"", SamplerKind::kDrand48},
+  };
+  for (const auto& [text, kind] : samplers) {
+    const PbrtScene scene = Read(std::string("Sampler ") + text + " WorldBegin");
+    EXPECT_EQ(scene.scene.defaults.sampler, kind) << text;
+    EXPECT_TRUE(scene.warnings.empty()) << text;
+  }
+  EXPECT_EQ(Read("Sampler \"stratified\" \"bool jitter\" false WorldBegin").warnings.size(), 1u);
 }
 
 TEST(Frame, OfOtherRandomizationsWarns) {

@@ -101,9 +101,19 @@ TEST(KernelTest, NearlyEverySampleIsTheSame) {
   const auto scene = BuildScene(OneOfEach());
   ASSERT_FALSE(scene->mirror_images().empty());
   JobSpec spec = TestSpec(48, 64, 12);
-  for (const SamplerKind sampler : {SamplerKind::kSobol, SamplerKind::kIndependent}) {
+  for (const SamplerKind sampler : kAllSamplers) {
     spec.sampler = sampler;
-    EXPECT_GE(AgreeingShare(scene, spec, 1e-5), 0.999);
+    EXPECT_GE(AgreeingShare(scene, spec, 1e-5), 0.999) << ToString(sampler);
+    spec.spp = 16;  // That is enough for the others.
+  }
+}
+
+TEST(KernelTest, NearlyEverySampleIsTheSameWithAnyRoulette) {
+  const auto scene = BuildScene(OneOfEach());
+  JobSpec spec = TestSpec(48, 16, 12);
+  for (const RouletteKind roulette : {RouletteKind::kOff, RouletteKind::kEfficiency}) {
+    spec.roulette = roulette;
+    EXPECT_GE(AgreeingShare(scene, spec, 1e-5), 0.999) << ToString(roulette);
   }
 }
 

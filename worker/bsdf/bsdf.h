@@ -24,6 +24,7 @@
 //   BsdfValue EvalPdf(const X&, Vec3f wo, Vec3f wi) both, where that saves work; optional
 //   std::optional<BsdfSample> Sample(const X&, Vec3f wo, float u_lobe, Vec2f u)
 //   bool IsDelta(const X&)                          all of it is delta: light sampling is in vain
+//   bool HasDelta(const X&)                         some of it is delta; optional: maybe
 //   Rgb Albedo(const X&, Vec3f wo)                  directional albedo, approximate, for a channel
 //
 // Directions are local (z = shading normal), unit, and point away from the surface. Transport is of
@@ -54,6 +55,14 @@ inline std::optional<BsdfSample> Sample(const Bsdf& bsdf, Vec3f wo, float u_lobe
 }
 inline bool IsDelta(const Bsdf& bsdf) {
   return std::visit([](const auto& b) { return IsDelta(b); }, bsdf);
+}
+/// For kinds that do not say.
+template <typename X>
+bool HasDelta(const X&) {
+  return true;
+}
+inline bool HasDelta(const Bsdf& bsdf) {
+  return std::visit([](const auto& b) { return HasDelta(b); }, bsdf);
 }
 /// Whether light may pass through the surface.
 inline bool Transmits(const Bsdf& bsdf) {

@@ -4,11 +4,13 @@
 #include <cstdint>
 #include <optional>
 
+#include "common/job.h"
 #include "worker/bsdf/bsdf.h"
-#include "worker/integrator/direct_strategy.h"
+#include "worker/integrator/hemisphere_strategy.h"
 #include "worker/light/light_set.h"
 #include "worker/light/mirror_guide.h"
 #include "worker/sampling/hash.h"
+#include "worker/sampling/roulette.h"
 #include "worker/sampling/sampler.h"
 #include "worker/sampling/warp.h"
 #include "worker/scene/scene.h"
@@ -20,6 +22,9 @@ namespace strata {
 struct PathSettings {
   int max_depth = 5;  ///< Bounces, as pbrt-v4's maxdepth: 0 shows emission alone.
   DirectStrategy direct = DirectStrategy::kMis;
+  /// Throughput from which on a path surely goes on; 0: no roulette. At a half variance times time
+  /// is near its least on the shared scenes (docs/performance.md).
+  float sure_survival = 0.5f;
   bool features = false;  ///< Whether PathSample::albedo is wanted.
 };
 
@@ -65,13 +70,18 @@ struct SilentObserver {
 
 namespace path_detail {
 
-inline constexpr float kMinSurvival = 0.05f;
-/// Throughput from which on a path surely goes on. At a half variance times time is near its
-/// least on the shared scenes (docs/performance.md).
-inline constexpr float kSureSurvival = 0.5f;
 /// Shadow segments end short of the light by this part of their length: Embree's distances to
 /// surfaces round, and the light must not shadow itself.
 inline constexpr float kShadowEnd = 1 - 0x1p-14f;
+
+/// Whether lights that directions meet are sampled too.
+inline bool SamplesLights(DirectStrategy strategy) {
+  return strategy == DirectStrategy::kMis || strategy == DirectStrategy::kLightOnly;
+}
+/// Whether directions come from the BSDF.
+inline bool FollowsBsdf(DirectStrategy strategy) {
+  return strategy != DirectStrategy::kCosine && strategy != DirectStrategy::kUniform;
+}
 
 inline Frame ShadingFrame(const SurfacePoint& point, Vec3f wo, bool isotropic) {
   // A surface that is seen from behind its interpolated normal is taken as flat.
@@ -165,8 +175,9 @@ class PathTracer {
   /// with density `light_pdf()`.
   template <typename LightPdf>
   float EmissionWeight(LightPdf&& light_pdf) const {
-    if (specular_ || settings_.direct == DirectStrategy::kBsdfOnly) return 1;
-    if (settings_.direct == DirectStrategy::kLightOnly) return 0;
+    if (specular_ || !path_detail::SamplesLights(settings_.direct)) return 1;
+    // Light sampling alone leaves out what it never finds, such as the dim parts of a sky.
+    if (settings_.direct == DirectStrategy::kLightOnly) return light_pdf() > 0 ? 0 : 1;
     return PowerHeuristic(bsdf_pdf_, light_pdf());
   }
 
@@ -233,8 +244,7 @@ class PathTracer {
 
   void AddDirectLight(int depth, const PathVertex& vertex, float time) {
     const LightSet& lights = scene_.lights();
-    if (lights.empty() || settings_.direct == DirectStrategy::kBsdfOnly || IsDelta(*vertex.bsdf))
-      return;
+    if (lights.empty() || IsDelta(*vertex.bsdf)) return;
     DirectSample direct;
     Vec2f u = Get2D(depth, kPairLight);
     const uint32_t ray_id = RayId([&] { return u; }, true);
@@ -243,7 +253,7 @@ class PathTracer {
     if (!(direct.choice.probability > 0)) return;
     u.x = direct.choice.u;
     const std::optional<LightSample> light = lights.Sample(direct.choice.light, vertex.point.p, u);
-    if (!light) return;
+    if (!light || (!light->delta && !path_detail::SamplesLights(settings_.direct))) return;
     direct.light = *light;
     const Vec3f wi = vertex.frame.ToLocal(light->wi);
     if (!path_detail::SidesAgree(vertex, light->wi, wi)) return;
@@ -267,9 +277,11 @@ class PathTracer {
   bool Scatter(int depth, const PathVertex& vertex, Ray* ray) {
     const float u_lobe = Get2D(depth, kPairLobe).x;
     const Vec2f u = Get2D(depth, kPairBsdf);
+    const bool by_bsdf = path_detail::FollowsBsdf(settings_.direct);
     const std::optional<BsdfSample> sample =
-        guided_ ? SampleGuided(*vertex.bsdf, vertex.frame, vertex.wo, guide_, u_lobe, u)
-                : Sample(*vertex.bsdf, vertex.wo, u_lobe, u);
+        guided_   ? SampleGuided(*vertex.bsdf, vertex.frame, vertex.wo, guide_, u_lobe, u)
+        : by_bsdf ? Sample(*vertex.bsdf, vertex.wo, u_lobe, u)
+                  : SampleHemisphere(settings_.direct, *vertex.bsdf, vertex.wo, u_lobe, u);
     const Vec3f wi = sample ? vertex.frame.ToWorld(sample->wi) : Vec3f{};
     observer_.OnBsdf(sample, wi);
     if (!sample || IsBlack(sample->weight)) return false;
@@ -290,9 +302,8 @@ class PathTracer {
   bool SurvivesRoulette(int depth) {
     const float throughput = MaxComponent(beta_) * eta_scale_;
     // Not a number goes on, to be counted as the defect it is.
-    if (depth < 1 || !(throughput < path_detail::kSureSurvival)) return true;
-    const float survival =
-        std::max(throughput / path_detail::kSureSurvival, path_detail::kMinSurvival);
+    if (depth < 1 || !(throughput < settings_.sure_survival)) return true;
+    const float survival = SurvivalProbability(throughput, settings_.sure_survival);
     const bool survives = Get2D(depth, kPairSelect).y < survival;
     beta_ *= 1 / survival;
     observer_.OnRoulette(survival, survives);

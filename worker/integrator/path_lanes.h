@@ -19,7 +19,10 @@ template <typename Sampler>
 class PathLanes {
  public:
   PathLanes(const Scene& scene, const PathSettings& settings)
-      : scene_(scene), settings_(settings) {}
+      : scene_(scene), settings_(settings), sure_survival_(SameFloat(settings.sure_survival)) {}
+
+  /// For a lane whose sample is of a pixel with another PathSettings::sure_survival.
+  void SetSureSurvival(int lane, float sure) { sure_survival_[lane] = sure; }
 
   /// Traces samples until there are no more. `next(lane, samplers)` starts the next one in a lane
   /// of the samplers, or is false at the end; `rays(get, mask)` gives camera rays, whose
@@ -305,10 +308,9 @@ class PathLanes {
 
   MaskLanes SurviveRoulette(MaskLanes mask) {
     const FloatLanes throughput = MaxComponent(beta_) * eta_scale_;
-    const MaskLanes plays = mask & (depth_ >= 1) & (throughput < path_detail::kSureSurvival);
+    const MaskLanes plays = mask & (depth_ >= 1) & (throughput < sure_survival_);
     if (!Any(plays)) return mask;
-    const FloatLanes survival =
-        Max(throughput / path_detail::kSureSurvival, SameFloat(path_detail::kMinSurvival));
+    const FloatLanes survival = SurvivalProbability(throughput, sure_survival_);
     const MaskLanes survives = Get2D(kPairSelect, plays).y < survival;
     beta_ = Select(plays, beta_ * (1 / survival), beta_);
     return mask & (~plays | survives);
@@ -323,7 +325,8 @@ class PathLanes {
   };
 
   const Scene& scene_;
-  const PathSettings& settings_;
+  const PathSettings settings_;
+  FloatLanes sure_survival_;
   SamplerLanes<Sampler> sampler_;
 
   // Carried from vertex to vertex, as in PathTracer.

@@ -188,7 +188,8 @@ void TraceOneByOne(const Renderer::State& job, TracedSamples<Sampler>& samples,
     sampler.StartSample(samples.index());
     float weight = 1;
     const Ray ray = job.CameraRay(samples.x(), samples.y(), sampler, &weight);
-    const PathSample sample = PathTracer(*job.scene, job.settings, sampler, observer).Trace(ray);
+    const PathSettings settings = job.SettingsAt(samples.x(), samples.y());
+    const PathSample sample = PathTracer(*job.scene, settings, sampler, observer).Trace(ray);
     held.push_back({ValueOf(job, sample, weight, ray.time), sample.rays});
   }
 }
@@ -200,26 +201,28 @@ void TraceSideBySide(const Renderer::State& job, TracedSamples<Sampler>& samples
   std::array<size_t, kLanes> place;
   Vec2Lanes pixel;
   FloatLanes weights = {}, times = {};
-  PathLanes<Sampler>(*job.scene, job.settings)
-      .Trace(
-          [&](int lane, SamplerLanes<Sampler>& samplers) {
-            if (samples.AtEnd() || held.size() == kHeldSamples) return false;
-            samples.Next();
-            samplers.StartSample(lane, samples.sampler(), samples.index());
-            pixel.x[lane] = static_cast<float>(samples.x());
-            pixel.y[lane] = static_cast<float>(samples.y());
-            place[lane] = held.size();
-            held.emplace_back();
-            return true;
-          },
-          [&](auto get, MaskLanes mask) {
-            const RayLanes starting = job.CameraRays(pixel, get, mask, &weights);
-            times = mask ? starting.time : times;
-            return starting;
-          },
-          [&](int lane, const PathSample& sample) {
-            held[place[lane]] = {ValueOf(job, sample, weights[lane], times[lane]), sample.rays};
-          });
+  const bool same_roulette = job.spec.roulette != RouletteKind::kEfficiency;
+  PathLanes<Sampler> lanes(*job.scene, job.SettingsAt(0, 0));
+  lanes.Trace(
+      [&](int lane, SamplerLanes<Sampler>& samplers) {
+        if (samples.AtEnd() || held.size() == kHeldSamples) return false;
+        samples.Next();
+        samplers.StartSample(lane, samples.sampler(), samples.index());
+        if (!same_roulette) lanes.SetSureSurvival(lane, job.roulette.At(samples.x(), samples.y()));
+        pixel.x[lane] = static_cast<float>(samples.x());
+        pixel.y[lane] = static_cast<float>(samples.y());
+        place[lane] = held.size();
+        held.emplace_back();
+        return true;
+      },
+      [&](auto get, MaskLanes mask) {
+        const RayLanes starting = job.CameraRays(pixel, get, mask, &weights);
+        times = mask ? starting.time : times;
+        return starting;
+      },
+      [&](int lane, const PathSample& sample) {
+        held[place[lane]] = {ValueOf(job, sample, weights[lane], times[lane]), sample.rays};
+      });
 }
 
 }  // namespace
@@ -257,8 +260,7 @@ void Renderer::State::RenderPixels(const WorkUnit& unit, int64_t begin, int64_t 
 }
 
 absl::StatusOr<std::unique_ptr<Renderer>> Renderer::Create(std::shared_ptr<const Scene> scene,
-                                                           const JobSpec& spec,
-                                                           DirectStrategy direct) {
+                                                           const JobSpec& spec) {
   STRATA_RETURN_IF_ERROR(ValidateJobSpec(spec));
   STRATA_ASSIGN_OR_RETURN(const Camera camera,
                           Camera::Create(scene->camera(), spec.width, spec.height));
@@ -269,9 +271,14 @@ absl::StatusOr<std::unique_ptr<Renderer>> Renderer::Create(std::shared_ptr<const
       .layout = LayoutOf(spec),
       .camera = camera,
       .filter = FilterSampler(spec.filter),
-      .settings = {.max_depth = spec.max_depth, .direct = direct, .features = spec.channels.albedo},
+      .settings = {.max_depth = spec.max_depth,
+                   .direct = spec.strategy,
+                   .features = spec.channels.albedo},
+      .roulette = RouletteMap(spec.width, spec.height,
+                              spec.roulette == RouletteKind::kOff ? 0 : path_detail::kSureSurvival),
       .moves = moves,
   });
+  if (spec.roulette == RouletteKind::kEfficiency) state->roulette = MeasureRoulette(*state);
   return std::unique_ptr<Renderer>(new Renderer(std::move(state)));
 }
 
@@ -284,15 +291,13 @@ absl::StatusOr<Partial> Renderer::Render(const WorkUnit& unit, RenderPool& pool,
   const auto start = std::chrono::steady_clock::now();
   Partial partial = EmptyPartial(unit, state_->layout);
   DefectList defects;
-  const bool sobol = state_->spec.sampler == SamplerKind::kSobol;
   const int64_t pixels = unit.pixels.Pixels();
   pool.state_->Run((pixels + kBlockPixels - 1) / kBlockPixels, [&](int64_t block) {
     if (cancel && cancel->load(std::memory_order_relaxed)) return;
     const int64_t end = std::min((block + 1) * kBlockPixels, pixels);
-    if (sobol)
-      state_->RenderPixels<SobolSampler>(unit, block * kBlockPixels, end, partial, defects);
-    else
-      state_->RenderPixels<IndependentSampler>(unit, block * kBlockPixels, end, partial, defects);
+    WithSampler(state_->spec.sampler, [&]<typename Sampler>() {
+      state_->RenderPixels<Sampler>(unit, block * kBlockPixels, end, partial, defects);
+    });
   });
   if (cancel && cancel->load(std::memory_order_relaxed))
     return absl::CancelledError("the unit was cancelled while it was rendered");

@@ -6,7 +6,9 @@
 #include "worker/integrator/camera.h"
 #include "worker/integrator/path.h"
 #include "worker/integrator/render.h"
+#include "worker/integrator/roulette_map.h"
 #include "worker/sampling/filter.h"
+#include "worker/sampling/pattern_sampler.h"
 #include "worker/sampling/sampler.h"
 #include "worker/sampling/warp.h"
 #include "worker/sampling/warp_lanes.h"
@@ -14,6 +16,14 @@
 namespace strata {
 
 class DefectList;
+
+/// Calls the function template `f` for the sampler that kernels of `kind` are compiled with.
+template <typename F>
+auto WithSampler(SamplerKind kind, F f) {
+  if (kind == SamplerKind::kSobol) return f.template operator()<SobolSampler>();
+  if (kind == SamplerKind::kIndependent) return f.template operator()<IndependentSampler>();
+  return f.template operator()<PatternSampler>();
+}
 
 /// All that decides a job's samples.
 struct Renderer::State {
@@ -23,10 +33,22 @@ struct Renderer::State {
   Camera camera;
   FilterSampler filter;
   PathSettings settings;
+  RouletteMap roulette;
   bool moves = false;  ///< Something does: samples have times of their own.
 
   SampleKey Key(int x, int y, uint32_t replicate) const {
-    return {spec.seed, spec.frame, static_cast<uint32_t>(x), static_cast<uint32_t>(y), replicate};
+    return {.seed = spec.seed,
+            .frame = spec.frame,
+            .x = static_cast<uint32_t>(x),
+            .y = static_cast<uint32_t>(y),
+            .replicate = replicate,
+            .kind = spec.sampler};
+  }
+  /// The settings of a pixel's paths.
+  PathSettings SettingsAt(int x, int y) const {
+    PathSettings here = settings;
+    here.sure_survival = roulette.At(x, y);
+    return here;
   }
 
   /// The ray of the sample `sampler` has been started on, and its weight in the pixel.

@@ -121,10 +121,33 @@ absl::Status ReadPixelFilter(const std::string& type, ParameterReader& parameter
   return parameters.Finish(context.warnings);
 }
 
-/// Sobol' points are Owen-scrambled whatever the file says.
+/// pbrt-v4's samplers, and those of this renderer that it has not.
+struct SamplerName {
+  std::string_view name;
+  SamplerKind kind;
+  bool substitute = false;  ///< It is another in the file; only the noise differs.
+};
+constexpr SamplerName kSamplers[] = {
+    {"sobol", SamplerKind::kSobol},
+    {"paddedsobol", SamplerKind::kSobol},
+    {"zsobol", SamplerKind::kSobol},
+    {"pmj02bn", SamplerKind::kSobol, true},
+    {"independent", SamplerKind::kIndependent},
+    {"halton", SamplerKind::kHalton},
+    {"halton_plain", SamplerKind::kHaltonPlain},
+    {"stratified", SamplerKind::kStratified},
+    {"latin_hypercube", SamplerKind::kLatinHypercube},
+    {"poisson_disk", SamplerKind::kPoissonDisk},
+    {"drand48", SamplerKind::kDrand48},
+};
+
+/// Points are Owen-scrambled whatever the file says, but for those of Halton without any scramble.
 void ReadRandomization(ParameterReader& parameters, ReadContext& context) {
+  SamplerKind& sampler = context.scene.defaults.sampler;
   const std::string randomization = parameters.String("randomization", "fastowen");
-  if (randomization == "none") {
+  if (randomization == "none" && sampler == SamplerKind::kHalton) {
+    sampler = SamplerKind::kHaltonPlain;
+  } else if (randomization == "none") {
     context.Warn(parameters.where(),
                  "the sampler is always randomized; an error cannot be "
                  "estimated otherwise");
@@ -145,7 +168,10 @@ absl::Status ReadSampler(const std::string& type, ParameterReader& parameters,
     const double grid =
         static_cast<double>(parameters.Integer("xsamples", 4)) * parameters.Integer("ysamples", 4);
     samples = grid >= 1 && grid <= 1e9 ? static_cast<int>(grid) : 0;
-    parameters.Bool("jitter", true);
+    if (!parameters.Bool("jitter", true)) {
+      context.Warn(parameters.where(),
+                   "\"jitter\" false is ignored: samples are jittered in grids of 4x4");
+    }
   } else {
     samples = parameters.Integer("pixelsamples", 16);
   }
@@ -153,11 +179,13 @@ absl::Status ReadSampler(const std::string& type, ParameterReader& parameters,
     parameters.Fail(parameters.where(), "the number of samples per pixel must be 1 to 1e9");
   }
   frame.spp = static_cast<uint32_t>(std::max(samples, 1));
-  frame.sampler = type == "independent" ? SamplerKind::kIndependent : SamplerKind::kSobol;
-  if (!IsOneOf(type, {"independent", "sobol", "paddedsobol", "zsobol"})) {
-    if (!IsOneOf(type, {"halton", "pmj02bn", "stratified"})) {
-      return ErrorAt(parameters.where(), StrCat("unknown Sampler \"", type, "\"; use sobol"));
-    }
+  const auto* known = std::find_if(std::begin(kSamplers), std::end(kSamplers),
+                                   [&](const SamplerName& s) { return s.name == type; });
+  if (known == std::end(kSamplers)) {
+    return ErrorAt(parameters.where(), StrCat("unknown Sampler \"", type, "\"; use sobol"));
+  }
+  frame.sampler = known->kind;
+  if (known->substitute) {
     context.Warn(parameters.where(),
                  StrCat("Sampler \"", type, "\" is not supported; sobol is used"));
   }
