@@ -146,7 +146,7 @@ class PathTracer {
 
       const bool last = depth == settings_.max_depth;
       if (last && depth > 0) break;
-      MakeBsdf(depth, hit, vertex);
+      MakeBsdf(depth, ray, hit, vertex);
       observer_.OnVertex(depth, ray, vertex, beta_);
       if (depth == 0) DescribeFirstHit(vertex);
       if (last) break;
@@ -209,7 +209,7 @@ class PathTracer {
     return {vertex.point.p, vertex.wo.z < 0 ? -n : n, !Transmits(*vertex.bsdf)};
   }
 
-  void MakeBsdf(int depth, const Hit& hit, PathVertex& vertex) {
+  void MakeBsdf(int depth, const Ray& ray, const Hit& hit, PathVertex& vertex) {
     const SurfacePoint& point = vertex.point;
     const MaterialSet& materials = scene_.materials();
     const bool detailed = materials.HasDetail(point.material);

@@ -189,8 +189,8 @@ absl::StatusOr<LightDescription> ReadInfinite(const Transform& world_from_light,
     return ErrorAt(where, "the light's transform cannot be inverted");
   }
   if (!portal.empty() && portal.size() != 4) {
-    parameters.Fail(where, StrCat("the \"portal\" has ", portal.size(),
-                                  " corners; a rectangle has 4"));
+    parameters.Fail(where,
+                    StrCat("the \"portal\" has ", portal.size(), " corners; a rectangle has 4"));
   }
   const std::string name = parameters.String("filename", "");
   STRATA_RETURN_IF_ERROR(parameters.Finish(context.warnings));
@@ -210,7 +210,7 @@ absl::StatusOr<double> MeanLuminance(const ImageTexture& image, const ReadContex
   STRATA_ASSIGN_OR_RETURN(const std::filesystem::path path,
                           context.Locate(image.path, image.where));
   const absl::StatusOr<ImageFile> file = ReadImageFile(path);
-  const absl::Status usable = file.ok() ? CheckTexels(*file) : file.status();
+  const absl::Status usable = file.ok() ? CheckTexels(*file, false) : file.status();
   if (!usable.ok()) return Annotate(usable, StrCat(image.where.ToString(), ": ", image.path));
   const DecodeTable table = MakeDecodeTable(image.encoding, image.gamma);
   const ImageTexels texels = ImageTexels::From(*file, image.encoding, image.gamma);
