@@ -13,6 +13,7 @@ void AddAllCommands(CommandLine& commands) {
   AddDiffCommand(commands);
   AddReplayCommand(commands);
   AddHealthCommand(commands);
+  AddLabCommand(commands);
 }
 
 }  // namespace strata

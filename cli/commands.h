@@ -18,5 +18,6 @@ void AddCheckCommand(CommandLine& commands);
 void AddDiffCommand(CommandLine& commands);
 void AddReplayCommand(CommandLine& commands);
 void AddHealthCommand(CommandLine& commands);
+void AddLabCommand(CommandLine& commands);  ///< Experiments: cli/lab/.
 
 }  // namespace strata

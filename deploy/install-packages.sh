@@ -23,7 +23,7 @@ runtime=(
   libabsl20220623 libspdlog1.10 libssl3
 )
 # To test, and to compile often.
-test=(libgtest-dev libgmock-dev libbenchmark-dev ccache)
+test=(libgtest-dev libgmock-dev libbenchmark-dev ccache gnuplot-nox)  # the last draws plots of strata lab
 # For what CI checks on top: formatting, locking, sanitizers (llvm names their stack frames), containers.
 ci=(clang clang-format libclang-rt-dev llvm docker.io docker-compose debootstrap)
 

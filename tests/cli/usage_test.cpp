@@ -40,7 +40,7 @@ TEST_P(EveryCommand, SuggestsTheOptionThatWasMeant) {
 INSTANTIATE_TEST_SUITE_P(All, EveryCommand,
                          testing::Values("render", "submit", "watch", "jobs", "workers", "logs",
                                          "fetch", "cancel", "pause", "resume", "retry", "delete",
-                                         "set", "check", "diff", "replay", "health"),
+                                         "set", "check", "diff", "replay", "health", "lab"),
                          [](const auto& info) { return std::string(info.param); });
 
 TEST(Usage, TheHelpListsTheCommands) {
