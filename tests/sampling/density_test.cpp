@@ -3,8 +3,8 @@
 #include "tests/sampling/density_cases.h"
 
 // Every sampling routine draws points of the density it claims, and a density that is wrong in
-// shape is told from it: by 4 % at the most (2 to 3 % root mean square) with the 200000 points of
-// every day, by 1 % with the ten million of a run by hand:
+// shape is told from it: by 5 % at the most (2.5 to 3.5 % root mean square) with the 200000 points
+// of every day, by 1 % with the ten million of a run by hand:
 //
 //   test_sampling --gtest_also_run_disabled_tests --gtest_filter='*OnePercentOfShape*'
 
@@ -37,7 +37,7 @@ class EverySamplingRoutine : public testing::TestWithParam<PlaneCase> {
   }
 };
 
-TEST_P(EverySamplingRoutine, FollowsItsDensityAndNoOther) { Test(200000, 0.04, 1); }
+TEST_P(EverySamplingRoutine, FollowsItsDensityAndNoOther) { Test(200000, 0.05, 1); }
 
 TEST_P(EverySamplingRoutine, DISABLED_IsToldFromOnePercentOfShape) { Test(10000000, 0.01, 3); }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <optional>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,8 @@ struct PlaneCase {
   /// Edges of the cells; empty: equally many points between them. The density may jump there.
   std::vector<double> x_edges, y_edges;
 };
+
+inline void PrintTo(const PlaneCase& c, std::ostream* out) { *out << c.name; }
 
 struct PlaneTestResult {
   ChiSquareResult chi_square;

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
+#include <string>
 
 #include "tests/transport/test_scene.h"
 
@@ -10,8 +10,16 @@
 namespace strata {
 namespace {
 
-/// Paths of up to 8 bounces in a furnace of unlike parts: pixels see the wall itself and a glass
-/// ball before it, which changes nothing, since radiance is the same everywhere.
+/// Where no interval is claimed, the mean has to be within `tolerance`.
+void ExpectMeanWith(SamplerKind sampler, const Partial& frame, double truth, double detectable,
+                    double tolerance) {
+  if (ClaimsInterval(sampler)) {
+    ExpectMean(frame, truth, detectable);
+  } else {
+    EXPECT_NEAR(FrameMean(frame, 1).mean / truth, 1, tolerance);
+  }
+}
+
 TEST(SamplerTest, FurnaceHoldsItsRadianceWithEachSamplerAndKernel) {
   TestScene scene;
   scene.Sphere({0, 0, 0}, 1, scene.Diffuse(0.5f), Emits(0.5f), true);
@@ -24,13 +32,12 @@ TEST(SamplerTest, FurnaceHoldsItsRadianceWithEachSamplerAndKernel) {
       spec.sampler = sampler;
       spec.kernel = kernel;
       SCOPED_TRACE(std::string(ToString(sampler)) + ", " + std::string(ToString(kernel)));
-      ExpectMean(RenderFrame(built, spec), truth, 0.01);
+      ExpectMeanWith(sampler, RenderFrame(built, spec), truth, 0.01, 0.03);
     }
   }
 }
 
-/// A sphere of radius R at distance d lights a floor with pi L (R / d)^2 cos: found by light and
-/// BSDF sampling alike.
+/// A sphere of radius R at distance d lights a floor with pi L (R / d)^2.
 TEST(SamplerTest, IrradianceOfASphereWithEachSampler) {
   TestScene scene;
   constexpr float kReflectance = 0.6f, kRadiance = 5, kRadius = 1, kHeight = 2;
@@ -47,11 +54,10 @@ TEST(SamplerTest, IrradianceOfASphereWithEachSampler) {
          {DirectStrategy::kMis, DirectStrategy::kBsdfOnly, DirectStrategy::kUniform}) {
       const Partial frame = RenderFrame(built, spec, strategy);
       SCOPED_TRACE(std::string(ToString(sampler)) + ", " + std::string(ToString(strategy)));
-      if (ClaimsInterval(sampler)) {
-        ExpectMean(frame, truth, 0.03);
-      } else {  // What there is instead of an interval.
-        const double tolerance = strategy == DirectStrategy::kMis ? 0.005 : 0.05;
-        EXPECT_NEAR(FrameMean(frame, 1).mean / truth, 1, tolerance);
+      if (strategy == DirectStrategy::kMis) {
+        ExpectMeanWith(sampler, frame, truth, 0.01, 0.02);
+      } else {
+        ExpectMeanWith(sampler, frame, truth, 0.08, 0.1);
       }
     }
   }

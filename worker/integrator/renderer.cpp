@@ -274,8 +274,9 @@ absl::StatusOr<std::unique_ptr<Renderer>> Renderer::Create(std::shared_ptr<const
       .settings = {.max_depth = spec.max_depth,
                    .direct = spec.strategy,
                    .features = spec.channels.albedo},
-      .roulette = RouletteMap(spec.width, spec.height,
-                              spec.roulette == RouletteKind::kOff ? 0 : path_detail::kSureSurvival),
+      .roulette =
+          RouletteMap(spec.width, spec.height,
+                      spec.roulette == RouletteKind::kOff ? 0 : PathSettings().sure_survival),
       .moves = moves,
   });
   if (spec.roulette == RouletteKind::kEfficiency) state->roulette = MeasureRoulette(*state);
