@@ -7,6 +7,7 @@
 
 #include "tests/geometry/scene_builder.h"
 #include "worker/geometry/geometry_lanes.h"
+#include "worker/math/elementary.h"
 
 namespace strata::testing {
 namespace {
