@@ -39,11 +39,11 @@ uint64_t ResidentBytes() {
 
 /// Builds the scene as a worker would and throws it away: what a worker would stumble over, this
 /// stumbles over.
-absl::StatusOr<uint64_t> MeasureLoading(const ScenePath& path) {
+absl::StatusOr<uint64_t> MeasureLoading(const ScenePath& path, const Bundle& bundle) {
   malloc_trim(0);  // What was freed but kept would otherwise serve the scene, and not be counted.
   const uint64_t before = ResidentBytes();
   const absl::StatusOr<std::shared_ptr<const Scene>> scene =
-      LoadScene(DirectorySource(path.root), path.scene);
+      LoadScene(path.Source(), path.scene, {}, bundle.options);
   if (!scene.ok()) {
     return absl::InvalidArgumentError(path.Located(std::string(scene.status().message())));
   }
@@ -55,11 +55,11 @@ absl::StatusOr<CheckResult> CheckScene(const JobOptions& options) {
   STRATA_ASSIGN_OR_RETURN(const LoadedScene loaded, ReadScene(options));
   STRATA_ASSIGN_OR_RETURN(ResolvedJob job, ResolveJob(options, loaded));
   CheckResult result;
-  result.summary = Summarize(loaded.pbrt.scene);
-  result.unused = loaded.pbrt.unused;
+  result.summary = Summarize(loaded.file.scene);
+  result.unused = loaded.file.unused;
   result.summary.files = job.spec.bundle.files.size();
   for (const BundleFile& file : job.spec.bundle.files) result.summary.file_bytes += file.bytes;
-  STRATA_ASSIGN_OR_RETURN(result.scene_bytes, MeasureLoading(loaded.path));
+  STRATA_ASSIGN_OR_RETURN(result.scene_bytes, MeasureLoading(loaded.path, job.spec.bundle));
   result.spec = std::move(job.spec);
   result.notes = std::move(job.notes);
   result.warnings = std::move(job.warnings);
@@ -148,7 +148,7 @@ void AddCheckCommand(CommandLine& commands) {
   const auto options = std::make_shared<CheckOptions>();
   CLI::App* command = commands.Add(
       "check", "Say what a scene uses, what of it is not supported, and how large it is",
-      {"strata check scene.pbrt", "strata check scene.pbrt --resolution 3840x2160",
+      {"strata check scene.pbrt", "strata check helmet.glb --env studio.exr",
        "strata check scenes/room/scene.pbrt --root scenes --json"},
       [options](Console& console) -> absl::StatusOr<ExitStatus> {
         STRATA_ASSIGN_OR_RETURN(const CheckResult result, CheckScene(options->job));

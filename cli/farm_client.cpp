@@ -147,14 +147,16 @@ absl::Status FarmClient::State::UploadFile(const BundleFile& file,
   return Annotate(wire::FromGrpc(writer->Finish()), path.string());
 }
 
-absl::Status FarmClient::Upload(
-    const Bundle& bundle, const std::filesystem::path& root,
-    const std::function<void(uint64_t sent, uint64_t total)>& progress) {
+absl::Status FarmClient::Upload(const Bundle& bundle, const std::filesystem::path& root,
+                                const std::function<void(uint64_t sent, uint64_t total)>& progress,
+                                const FilesElsewhere& elsewhere) {
   STRATA_ASSIGN_OR_RETURN(const std::vector<const BundleFile*> missing, state_->Missing(bundle));
   uint64_t total = 0, done = 0;
   for (const BundleFile* file : missing) total += file->bytes;
   for (const BundleFile* file : missing) {
-    STRATA_RETURN_IF_ERROR(state_->UploadFile(*file, root / file->path, [&](uint64_t bytes) {
+    const auto found = elsewhere.find(file->path);
+    const std::filesystem::path path = found == elsewhere.end() ? root / file->path : found->second;
+    STRATA_RETURN_IF_ERROR(state_->UploadFile(*file, path, [&](uint64_t bytes) {
       done += bytes;
       if (progress) progress(done, total);
     }));

@@ -8,6 +8,7 @@
 
 #include "common/report.h"
 #include "common/status.h"
+#include "worker/scene/file_source.h"
 
 namespace grpc {
 class Channel;
@@ -25,10 +26,11 @@ class FarmClient {
   static std::unique_ptr<FarmClient> Over(std::shared_ptr<grpc::Channel> channel);
   ~FarmClient();
 
-  /// Sends the files of the bundle the server lacks, reading them under `root`; tells of bytes sent
-  /// and bytes to send.
+  /// Sends the files of the bundle the server lacks, reading them under `root`, but for those
+  /// `elsewhere`; tells of bytes sent and bytes to send.
   absl::Status Upload(const Bundle& bundle, const std::filesystem::path& root,
-                      const std::function<void(uint64_t sent, uint64_t total)>& progress);
+                      const std::function<void(uint64_t sent, uint64_t total)>& progress,
+                      const FilesElsewhere& elsewhere = {});
   /// The same `request_id` gives the same job however often it is sent.
   absl::StatusOr<JobId> Submit(const JobSpec& spec, const std::string& request_id);
   absl::StatusOr<JobStatus> Get(const JobId& job);

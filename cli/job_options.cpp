@@ -116,10 +116,33 @@ std::string DefaultName(const fs::path& scene) {
   return stem == "scene" && !folder.empty() ? folder : stem;
 }
 
+/// Takes --camera and --env. An image inside the root has its place in it; another one gets a place
+/// in a folder that the scene does not have.
+absl::Status AddOptions(const JobOptions& options, ScenePath* path) {
+  path->options.camera = options.camera.value_or("");
+  if (!options.environment) return absl::OkStatus();
+  std::error_code error;
+  const fs::path image = fs::canonical(*options.environment, error);
+  if (error || !fs::is_regular_file(image, error)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("--env: ", *options.environment, ": there is no such file, give an image"));
+  }
+  const fs::path relative = image.lexically_relative(path->root);
+  if (!relative.empty() && *relative.begin() != "..") {
+    path->options.environment = relative.generic_string();
+    return absl::OkStatus();
+  }
+  std::string folder = "environment";
+  while (fs::exists(path->root / folder, error)) folder += "-of-job";
+  path->options.environment = absl::StrCat(folder, "/", image.filename().string());
+  path->elsewhere[path->options.environment] = image;
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 void AddSceneOptions(CLI::App* command, JobOptions& options) {
-  command->add_option("SCENE", options.scene, "The scene: a pbrt-v4 file")->required();
+  command->add_option("SCENE", options.scene, "The scene: a pbrt-v4 file, or glTF 2.0")->required();
   command
       ->add_option("--root", options.root,
                    "Directory that contains all files of the scene (default: the scene's)")
@@ -155,6 +178,16 @@ void AddJobOptions(CLI::App* command, JobOptions& options) {
       "What ends paths early: throughput (default), efficiency, or off", "NAME");
   add("--kernel", options.kernel, "fast (default), or reference: plain code, to compare with",
       "NAME");
+  add("--env", options.environment,
+      "Image that lights the scene from all around, in place of its infinite lights: square ones "
+      "in "
+      "pbrt-v4's layout, others latitude and longitude",
+      "IMAGE");
+  add("--camera", options.camera,
+      "Where the camera stands, where it looks, degrees over the shorter edge (40); or name or "
+      "index "
+      "of a glTF camera",
+      "x,y,z,x,y,z[,FOV]");
   add("--filter", options.filter, "box, triangle, gaussian or mitchell; radius in pixels",
       "NAME[:radius]");
   add("--allocation", options.allocation,
@@ -180,16 +213,23 @@ std::string ScenePath::Located(const std::string& message) const {
   return names_file && !typed_root.empty() ? (fs::path(typed_root) / message).string() : message;
 }
 
+std::filesystem::path ScenePath::Typed(const std::string& bundle_path) const {
+  const auto found = elsewhere.find(bundle_path);
+  return found == elsewhere.end() ? fs::path(typed_root) / bundle_path : found->second;
+}
+
 absl::StatusOr<ScenePath> FindScene(const JobOptions& options) {
   const fs::path typed(options.scene);
   std::error_code error;
   const fs::path scene = fs::canonical(typed, error);
   if (error || !fs::is_regular_file(scene, error)) {
     return absl::InvalidArgumentError(
-        absl::StrCat(options.scene, ": there is no such file, give a pbrt-v4 scene"));
+        absl::StrCat(options.scene, ": there is no such file, give a pbrt-v4 or glTF scene"));
   }
   if (!options.root) {
-    return ScenePath{scene.parent_path(), scene.filename().string(), typed.parent_path().string()};
+    ScenePath path{scene.parent_path(), scene.filename().string(), typed.parent_path().string()};
+    STRATA_RETURN_IF_ERROR(AddOptions(options, &path));
+    return path;
   }
   const fs::path root = fs::canonical(*options.root, error);
   if (error || !fs::is_directory(root, error)) {
@@ -201,7 +241,9 @@ absl::StatusOr<ScenePath> FindScene(const JobOptions& options) {
     return absl::InvalidArgumentError(absl::StrCat("--root: ", *options.root, " does not contain ",
                                                    options.scene, ", give a directory that does"));
   }
-  return ScenePath{root, relative.generic_string(), *options.root};
+  ScenePath path{root, relative.generic_string(), *options.root};
+  STRATA_RETURN_IF_ERROR(AddOptions(options, &path));
+  return path;
 }
 
 absl::StatusOr<LoadedScene> ReadScene(const JobOptions& options) {
@@ -209,11 +251,12 @@ absl::StatusOr<LoadedScene> ReadScene(const JobOptions& options) {
   STRATA_RETURN_IF_ERROR(ResolveJobSpec(options, FrameDefaults{}, &ignored).status());
   LoadedScene loaded;
   STRATA_ASSIGN_OR_RETURN(loaded.path, FindScene(options));
-  absl::StatusOr<PbrtScene> pbrt = ReadPbrt(DirectorySource(loaded.path.root), loaded.path.scene);
-  if (!pbrt.ok()) {
-    return absl::InvalidArgumentError(loaded.path.Located(std::string(pbrt.status().message())));
+  absl::StatusOr<SceneFile> file =
+      ReadSceneFile(loaded.path.Source(), loaded.path.scene, loaded.path.options);
+  if (!file.ok()) {
+    return absl::InvalidArgumentError(loaded.path.Located(std::string(file.status().message())));
   }
-  loaded.pbrt = *std::move(pbrt);
+  loaded.file = *std::move(file);
   return loaded;
 }
 
@@ -271,18 +314,19 @@ absl::StatusOr<JobSpec> ResolveJobSpec(const JobOptions& options, const FrameDef
 absl::StatusOr<ResolvedJob> ResolveJob(const JobOptions& options, const LoadedScene& loaded) {
   ResolvedJob job;
   job.root = loaded.path.root;
+  job.elsewhere = loaded.path.elsewhere;
   STRATA_ASSIGN_OR_RETURN(job.spec,
-                          ResolveJobSpec(options, loaded.pbrt.scene.defaults, &job.notes));
-  if (loaded.pbrt.unused.Any()) {
+                          ResolveJobSpec(options, loaded.file.scene.defaults, &job.notes));
+  if (loaded.file.unused.Any()) {
     job.notes.push_back(
-        absl::StrCat("not used, so neither sent nor built: ", UnusedLine(loaded.pbrt.unused)));
+        absl::StrCat("not used, so neither sent nor built: ", UnusedLine(loaded.file.unused)));
   }
-  for (const SceneWarning& warning : loaded.pbrt.warnings) {
+  for (const SceneWarning& warning : loaded.file.warnings) {
     job.warnings.push_back(WarningLine(loaded.path, warning));
   }
   STRATA_RETURN_IF_ERROR(CheckImages(loaded));
   absl::StatusOr<Bundle> bundle =
-      MakeBundle(DirectorySource(job.root), loaded.path.scene, loaded.pbrt.files);
+      MakeBundle(loaded.path.Source(), loaded.path.scene, loaded.file.files, loaded.path.options);
   if (!bundle.ok()) return AsBadInput(bundle.status());
   job.spec.bundle = *std::move(bundle);
   STRATA_RETURN_IF_ERROR(ValidateJobSpec(job.spec));

@@ -9,14 +9,14 @@
 
 #include "common/job.h"
 #include "common/status.h"
-#include "worker/pbrt/reader.h"
+#include "worker/scene/scene_file.h"
 
 namespace strata {
 
 /// What the command line says of a job. What is not set comes from the scene file, then from
 /// JobSpec's defaults.
 struct JobOptions {
-  std::string scene;  ///< The pbrt-v4 file, as typed.
+  std::string scene;  ///< The pbrt-v4 or glTF file, as typed.
   std::optional<std::string> root;
   std::optional<uint64_t> spp;
   std::optional<std::string> resolution, crop;
@@ -31,6 +31,8 @@ struct JobOptions {
   std::optional<int> priority;
   std::optional<std::string> allocation;
   std::optional<std::string> error, rmse, time;
+  std::optional<std::string> environment;  ///< An image, as typed.
+  std::optional<std::string> camera;
   std::optional<std::string> integrator;  ///< Of a later version, if it was given.
 };
 
@@ -47,13 +49,19 @@ struct ScenePath {
 
   /// `message` with the bundle path it starts with, if it does, as a path the user can open.
   std::string Located(const std::string& message) const;
+  /// A file of the bundle as a path the user can open.
+  std::filesystem::path Typed(const std::string& bundle_path) const;
+  DirectorySource Source() const { return DirectorySource(root, elsewhere); }
+
+  FilesElsewhere elsewhere;  ///< What the command line names outside of root.
+  SceneOptions options;
 };
 absl::StatusOr<ScenePath> FindScene(const JobOptions& options);
 
 /// A scene read for a command.
 struct LoadedScene {
   ScenePath path;
-  PbrtScene pbrt;
+  SceneFile file;
 };
 /// Checks the options, so that a typing error does not cost a minute, then reads. Errors are
 /// INVALID_ARGUMENT, one line "file:line: what is wrong, what to do".
@@ -66,7 +74,8 @@ absl::StatusOr<JobSpec> ResolveJobSpec(const JobOptions& options, const FrameDef
 /// A job ready to be submitted.
 struct ResolvedJob {
   JobSpec spec;
-  std::filesystem::path root;      ///< Where the bundle's files are.
+  std::filesystem::path root;      ///< Where the bundle's files are,
+  FilesElsewhere elsewhere;        ///< but for these.
   std::vector<std::string> notes;  ///< What a person should know: what was rounded, what is biased.
   std::vector<std::string> warnings;  ///< Of the scene, "file:line: warning: ...".
 };

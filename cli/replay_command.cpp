@@ -31,9 +31,9 @@ absl::StatusOr<ExitStatus> Replay(const ReplayOptions& options, Console& console
                                                    " is outside the frame, give 0,0 to ",
                                                    job.spec.width - 1, ",", job.spec.height - 1));
   }
-  const DirectorySource source(job.root);
+  const DirectorySource source(job.root, job.elsewhere);
   const absl::StatusOr<std::shared_ptr<const Scene>> scene =
-      LoadScene(source, job.spec.bundle.scene);
+      LoadScene(source, job.spec.bundle.scene, {}, job.spec.bundle.options);
   if (!scene.ok()) return AsBadInput(scene.status());
   STRATA_ASSIGN_OR_RETURN(const std::unique_ptr<Renderer> renderer,
                           Renderer::Create(*scene, job.spec));

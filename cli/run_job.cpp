@@ -43,12 +43,13 @@ void ShowNotes(const ResolvedJob& job, bool quiet, Console& console) {
 absl::StatusOr<JobId> SubmitJob(FarmClient& farm, const ResolvedJob& job, ProgressStyle style,
                                 Console& console) {
   const bool live = console.live() && !style.json && !style.quiet;
-  STRATA_RETURN_IF_ERROR(farm.Upload(job.spec.bundle, job.root, [&](uint64_t sent, uint64_t total) {
+  const auto tell = [&](uint64_t sent, uint64_t total) {
     if (live) {
       console.Redraw(
           absl::StrFormat("sending the scene: %s of %s", FormatBytes(sent), FormatBytes(total)));
     }
-  }));
+  };
+  STRATA_RETURN_IF_ERROR(farm.Upload(job.spec.bundle, job.root, tell, job.elsewhere));
   console.Clear();
   return farm.Submit(job.spec, NewRequestId());
 }

@@ -15,14 +15,17 @@
 namespace strata {
 namespace {
 
-/// Path and whether a texture uses the image: what a light's may hold is checked with the light.
-std::map<std::string, bool> ImagesOf(const SceneDescription& scene) {
-  std::map<std::string, bool> images;
+/// Where an image is named, and the texture that uses it: what a light's may hold is checked with
+/// the light.
+using Images = std::map<std::string, const ImageTexture*>;
+
+Images ImagesOf(const SceneDescription& scene) {
+  Images images;
   for (const LightDescription& light : scene.lights) {
-    if (const std::optional<std::string> path = LightImagePath(light)) images[*path] = false;
+    if (const std::optional<std::string> path = LightImagePath(light)) images[*path] = nullptr;
   }
   for (const TextureDescription& texture : scene.textures) {
-    if (const auto* image = std::get_if<ImageTexture>(&texture)) images[image->path] = true;
+    if (const auto* image = std::get_if<ImageTexture>(&texture)) images[image->path] = image;
   }
   return images;
 }
@@ -51,23 +54,26 @@ class SilencedStandardError {
 }  // namespace
 
 absl::Status CheckImages(const LoadedScene& loaded) {
-  const SceneDescription& scene = loaded.pbrt.scene;
+  const SceneDescription& scene = loaded.file.scene;
   const SilencedStandardError silenced;
-  // By the path as typed, which the error then names; that it stays inside the root is known.
-  const std::filesystem::path folder = loaded.path.typed_root;
-  for (const auto& [path, is_texture] : ImagesOf(scene)) {
-    const absl::StatusOr<ImageFile> file = ReadImageFile(folder / path);
+  const DirectorySource source = loaded.path.Source();
+  for (const auto& [name, texture] : ImagesOf(scene)) {
+    const bool embedded = texture && texture->embedded;
+    // By the path as typed, which the error then names; that it stays inside the root is known.
+    const std::filesystem::path path = loaded.path.Typed(name);
+    const absl::StatusOr<ImageFile> file =
+        embedded ? ReadTextureImage(*texture, source) : ReadImageFile(path);
     if (!file.ok()) {
-      return absl::InvalidArgumentError(
-          absl::StrCat(file.status().message(), "; replace it with a whole image"));
+      const std::string what = std::string(file.status().message());
+      return absl::InvalidArgumentError(absl::StrCat(embedded ? loaded.path.Located(what) : what,
+                                                     "; replace it with a whole image"));
     }
-    const absl::Status usable = is_texture ? CheckTexels(*file, false) : absl::OkStatus();
+    const absl::Status usable = texture ? CheckTexels(*file, false) : absl::OkStatus();
     if (!usable.ok()) {
       return absl::InvalidArgumentError(
-          absl::StrCat((folder / path).string(), ": ", usable.message(), "; mend or replace it"));
+          absl::StrCat(path.string(), ": ", usable.message(), "; mend or replace it"));
     }
   }
-  const DirectorySource source(loaded.path.root);
   for (const LightDescription& light : scene.lights) {
     const absl::Status fits = CheckLightFile(light, source);
     if (!fits.ok()) {

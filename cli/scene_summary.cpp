@@ -35,6 +35,8 @@ std::string NameOf(const MaterialDescription& material) {
                  [](const BlinnMaterial&) { return "blinn"; },
                  [](const AshikhminShirleyMaterial&) { return "ashikhminshirley"; },
                  [](const MixMaterial& mix) { return mix.sum ? "mixture" : "mix"; },
+                 [](const MetallicRoughnessMaterial&) { return "metallicroughness"; },
+                 [](const MixMaterial&) { return "mix"; },
                  [](const InterfaceMaterial&) { return "interface"; }},
       material);
 }

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/job.h"
-#include "worker/pbrt/reader.h"
+#include "worker/scene/scene_file.h"
 
 namespace strata {
 

@@ -72,6 +72,20 @@ absl::Status ValidateBundle(const Bundle& bundle) {
     }
     has_scene |= path == bundle.scene;
   }
+  const SceneOptions& options = bundle.options;
+  const bool has_environment =
+      options.environment.empty() ||
+      std::any_of(bundle.files.begin(), bundle.files.end(),
+                  [&](const BundleFile& file) { return file.path == options.environment; });
+  if (!has_environment) {
+    return absl::InvalidArgumentError(
+        StrCat("the environment \"", options.environment, "\" is not one of the bundle's files"));
+  }
+  constexpr size_t kMaxCameraBytes = 1024;
+  if (options.camera.size() > kMaxCameraBytes || HasControlCharacter(options.camera)) {
+    return absl::InvalidArgumentError(
+        "the camera's name is longer than 1024 bytes or holds a control character");
+  }
   if (!has_scene) {
     return absl::InvalidArgumentError(
         StrCat("the bundle's scene \"", bundle.scene, "\" is not one of its files"));
@@ -86,6 +100,11 @@ Digest BundleDigest(const Bundle& bundle) {
   for (const BundleFile& file : bundle.files) {
     UpdateWithText(sha, file.path);
     sha.Update(std::as_bytes(std::span(file.digest.bytes)));
+  }
+  // Scenes without options keep the digest they had before there were any.
+  if (bundle.options != SceneOptions{}) {
+    UpdateWithText(sha, bundle.options.environment);
+    UpdateWithText(sha, bundle.options.camera);
   }
   return sha.Finish();
 }

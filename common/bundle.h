@@ -18,10 +18,20 @@ struct BundleFile {
   bool operator==(const BundleFile&) const = default;
 };
 
+/// What a job says of its scene beside the files.
+struct SceneOptions {
+  std::string environment;  ///< An image among the files, in place of infinite lights; or empty.
+  /// In place of the file's camera, or empty: numbers as ParseViewpoint reads them
+  /// (worker/scene/scene_options.h), or what the file calls one of its cameras.
+  std::string camera;
+  bool operator==(const SceneOptions&) const = default;
+};
+
 /// All files of a scene, by content. It never names a path outside itself.
 struct Bundle {
   std::string scene;              ///< The path of the scene's main file, one of `files`.
   std::vector<BundleFile> files;  ///< Sorted by path, no path twice.
+  SceneOptions options;
   bool operator==(const Bundle&) const = default;
 };
 
@@ -36,7 +46,7 @@ absl::StatusOr<std::string> ResolveBundlePath(std::string_view directory, std::s
 /// INVALID_ARGUMENT with the offending path when the rules above are broken.
 absl::Status ValidateBundle(const Bundle& bundle);
 
-/// Names the scene: the digest over the paths and contents of all files.
+/// Names the scene: the digest over the paths and contents of all files, and the options.
 Digest BundleDigest(const Bundle& bundle);
 
 }  // namespace strata

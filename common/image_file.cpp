@@ -1,6 +1,8 @@
 #include "common/image_file.h"
 
 #include <OpenImageIO/imageio.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -23,7 +25,8 @@ std::string OneLine(std::string text) {
 }
 
 /// Sizes are claims of the file until its pixels are read, so memory is not given for any claim.
-absl::Status CheckSize(const std::filesystem::path& path, const OIIO::ImageSpec& spec) {
+absl::Status CheckSize(const std::filesystem::path& path, const OIIO::ImageSpec& spec,
+                       uint64_t bytes) {
   constexpr int kMaxEdge = 65536, kMaxChannels = 64;
   constexpr uint64_t kMaxValues = uint64_t{1} << 30;
   // More than any of the formats compresses a constant image.
@@ -37,9 +40,7 @@ absl::Status CheckSize(const std::filesystem::path& path, const OIIO::ImageSpec&
   if (spec.width > kMaxEdge || spec.height > kMaxEdge || spec.nchannels > kMaxChannels ||
       values > kMaxValues)
     return BadImage(path, absl::StrCat("the image is too large: ", size));
-  std::error_code error;
-  const uint64_t bytes = std::filesystem::file_size(path, error);
-  if (error || values / kMaxCompression > bytes)
+  if (values / kMaxCompression > bytes)
     return BadImage(path, absl::StrCat("the file is too short for ", size));
   return absl::OkStatus();
 }
@@ -49,21 +50,39 @@ struct OpenImage {
   OIIO::ImageSpec spec;
 };
 
+/// Opens `path` with the reader of `format`, or with that of its extension if it is empty. Errors
+/// call it `name`.
+absl::StatusOr<OpenImage> OpenAs(const std::filesystem::path& name,
+                                 const std::filesystem::path& path, const std::string& format,
+                                 uint64_t bytes) {
+  OIIO::ImageSpec config;
+  config.attribute("oiio:UnassociatedAlpha", 1);  // Colours as stored, not multiplied by alpha.
+  OpenImage image;
+  if (format.empty()) {
+    image.input = OIIO::ImageInput::open(path.string(), &config);
+  } else {
+    image.input = OIIO::ImageInput::create(format);
+    OIIO::ImageSpec spec;
+    if (image.input && !image.input->open(path.string(), spec, config))
+      return BadImage(
+          name, absl::StrCat("not an image that can be read: ", OneLine(image.input->geterror())));
+  }
+  if (!image.input)
+    return BadImage(name,
+                    absl::StrCat("not an image that can be read: ", OneLine(OIIO::geterror())));
+  image.spec = image.input->spec();
+  STRATA_RETURN_IF_ERROR(CheckSize(name, image.spec, bytes));
+  return image;
+}
+
 absl::StatusOr<OpenImage> Open(const std::filesystem::path& path) {
   std::error_code error;
   if (!std::filesystem::exists(path, error))
     return absl::NotFoundError(absl::StrCat(path.string(), ": there is no such file"));
   if (!std::filesystem::is_regular_file(path, error)) return BadImage(path, "not a regular file");
-  OIIO::ImageSpec config;
-  config.attribute("oiio:UnassociatedAlpha", 1);  // Colours as stored, not multiplied by alpha.
-  OpenImage image;
-  image.input = OIIO::ImageInput::open(path.string(), &config);
-  if (!image.input)
-    return BadImage(path,
-                    absl::StrCat("not an image that can be read: ", OneLine(OIIO::geterror())));
-  image.spec = image.input->spec();
-  STRATA_RETURN_IF_ERROR(CheckSize(path, image.spec));
-  return image;
+  const uint64_t bytes = std::filesystem::file_size(path, error);
+  if (error) return BadImage(path, error.message());
+  return OpenAs(path, path, "", bytes);
 }
 
 absl::StatusOr<std::vector<float>> ReadValues(const std::filesystem::path& path,
@@ -76,8 +95,7 @@ absl::StatusOr<std::vector<float>> ReadValues(const std::filesystem::path& path,
   return values;
 }
 
-absl::StatusOr<ImageFile> ReadOpenImage(const std::filesystem::path& path) {
-  STRATA_ASSIGN_OR_RETURN(const OpenImage image, Open(path));
+absl::StatusOr<ImageFile> ReadPixels(const std::filesystem::path& path, const OpenImage& image) {
   ImageFile file;
   file.width = image.spec.width;
   file.height = image.spec.height;
@@ -87,6 +105,11 @@ absl::StatusOr<ImageFile> ReadOpenImage(const std::filesystem::path& path) {
   file.sixteen_bit = image.spec.format == OIIO::TypeDesc::UINT16;
   STRATA_ASSIGN_OR_RETURN(file.values, ReadValues(path, image));
   return file;
+}
+
+absl::StatusOr<ImageFile> ReadOpenImage(const std::filesystem::path& path) {
+  STRATA_ASSIGN_OR_RETURN(const OpenImage image, Open(path));
+  return ReadPixels(path, image);
 }
 
 constexpr std::string_view kMetadataPrefix = "strata:";
@@ -176,10 +199,49 @@ absl::Status CheckLayers(const std::filesystem::path& path, const ImageLayers& i
   return absl::OkStatus();
 }
 
+/// Bytes as a file of no folder; its path is valid as long as it lives.
+class MemoryFile {
+ public:
+  explicit MemoryFile(std::string_view bytes) : file_(memfd_create("image", MFD_CLOEXEC)) {
+    while (file_ >= 0 && !bytes.empty()) {
+      const ssize_t written = write(file_, bytes.data(), bytes.size());
+      if (written <= 0) return;
+      bytes.remove_prefix(static_cast<size_t>(written));
+    }
+    whole_ = file_ >= 0;
+  }
+  ~MemoryFile() {
+    if (file_ >= 0) close(file_);
+  }
+  MemoryFile(const MemoryFile&) = delete;
+  MemoryFile& operator=(const MemoryFile&) = delete;
+
+  bool ok() const { return whole_; }
+  std::string path() const { return absl::StrCat("/proc/self/fd/", file_); }
+
+ private:
+  const int file_;
+  bool whole_ = false;
+};
+
 }  // namespace
 
 absl::StatusOr<ImageFile> ReadImageFile(const std::filesystem::path& path) {
   return WithoutExceptions(path, ReadOpenImage);
+}
+
+absl::StatusOr<ImageFile> ReadImageBytes(const std::string& name, std::string_view bytes) {
+  const bool png = bytes.substr(0, 4) == "\x89PNG", jpeg = bytes.substr(0, 2) == "\xff\xd8";
+  if (!png && !jpeg) return BadImage(name, "neither PNG nor JPEG");
+  // OpenImageIO 2.4 reads JPEG from files alone; this one lies in memory and has no name.
+  const MemoryFile memory(bytes);
+  if (!memory.ok())
+    return absl::ResourceExhaustedError(absl::StrCat(name, ": not enough memory for the image"));
+  return WithoutExceptions(name, [&](const std::filesystem::path&) -> absl::StatusOr<ImageFile> {
+    STRATA_ASSIGN_OR_RETURN(const OpenImage image,
+                            OpenAs(name, memory.path(), png ? "png" : "jpeg", bytes.size()));
+    return ReadPixels(name, image);
+  });
 }
 
 absl::StatusOr<ImageLayers> ReadExr(const std::filesystem::path& path) {

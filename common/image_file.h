@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/report.h"
@@ -26,6 +27,9 @@ struct ImageFile {
 /// file, INVALID_ARGUMENT when it is no image, is cut short, or claims a size beyond 65536 pixels
 /// on an edge, 64 channels, 2^30 values or what a file of its length can hold.
 absl::StatusOr<ImageFile> ReadImageFile(const std::filesystem::path& path);
+
+/// The same of PNG or JPEG bytes in memory; `name` is what errors call them.
+absl::StatusOr<ImageFile> ReadImageBytes(const std::string& name, std::string_view bytes);
 
 /// OpenEXR, 32-bit float, zip; channel names as given; the crop as data window, metadata as header
 /// attributes "strata:NAME". Writes to a temporary name and renames; UNKNOWN, with the path and the

@@ -8,12 +8,17 @@
 namespace strata {
 namespace {
 
-/// The scene and, where it lies in a folder of its bundle, the bundle's root.
+/// The scene and, where it lies in a folder of its bundle, the bundle's root; its options.
 std::string SceneArguments(const JobSpec& spec) {
   const std::string& scene = spec.bundle.scene;
   const bool like_an_option = scene.rfind('-', 0) == 0;
   const bool in_folder = scene.find('/') != std::string::npos;
-  return ShellQuoted((like_an_option ? "./" : "") + scene) + (in_folder ? " --root ." : "");
+  std::string text =
+      ShellQuoted((like_an_option ? "./" : "") + scene) + (in_folder ? " --root ." : "");
+  const SceneOptions& options = spec.bundle.options;
+  if (!options.environment.empty()) text += " --env=" + ShellQuoted(options.environment);
+  if (!options.camera.empty()) text += " --camera=" + ShellQuoted(options.camera);
+  return text;
 }
 
 /// For --filter; numbers are written so that they are read back to the last bit.

@@ -117,6 +117,9 @@ std::vector<std::pair<std::string, std::string>> ImageMetadata(const JobStatus& 
       {"nonfinite", std::to_string(status.nonfinite)},
       {"replicates", std::to_string(kReplicates)},
   };
+  const SceneOptions& options = spec.bundle.options;
+  if (!options.environment.empty()) metadata.emplace_back("environment", options.environment);
+  if (!options.camera.empty()) metadata.emplace_back("camera", options.camera);
   if (status.state == JobState::kDone) metadata.emplace_back("digest", status.result.ToString());
   return metadata;
 }

@@ -14,6 +14,7 @@ build=(
   openimageio-tools  # libopenimageio-dev's CMake files name its programs and fail without them
   libgrpc++-dev libprotobuf-dev protobuf-compiler protobuf-compiler-grpc
   libabsl-dev libspdlog-dev libcli11-dev nlohmann-json3-dev libssl-dev
+  libtinygltf-dev  # compiled into the renderer, headers only
   libboost-dev  # Boost.Math, headers only: p-values of strata diff, and of the tests
 )
 # To run programs that were compiled elsewhere, on the same release of Debian.

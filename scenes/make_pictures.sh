@@ -44,3 +44,5 @@ for strategy in mis light bsdf cosine uniform; do
     --spp 16 --allocation uniform
 done
 picture soft-shadow/soft-shadow.pbrt soft-shadow/roulette-efficiency.png --roulette efficiency --spp 64
+picture lights/textured.pbrt lights/textured.png --spp 512
+picture gltf/materials.gltf gltf/materials.png --resolution 480x270 --spp 256

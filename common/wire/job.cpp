@@ -83,6 +83,7 @@ absl::StatusOr<Bundle> BundleFromWire(const v1::Bundle& message) {
         ReadDigest(file.digest(), absl::StrCat("spec.bundle.files[", i, "].digest")));
     bundle.files.push_back({file.path(), digest, file.bytes()});
   }
+  bundle.options = {message.environment(), message.camera()};
   return bundle;
 }
 
@@ -103,6 +104,8 @@ void ToWire(const JobSpec& spec, v1::JobSpec* message, bool with_files) {
   message->set_name(spec.name);
   message->set_priority(spec.priority);
   message->mutable_bundle()->set_scene(spec.bundle.scene);
+  message->mutable_bundle()->set_environment(spec.bundle.options.environment);
+  message->mutable_bundle()->set_camera(spec.bundle.options.camera);
   if (with_files) {
     for (const BundleFile& file : spec.bundle.files) {
       v1::BundleFile* out = message->mutable_bundle()->add_files();

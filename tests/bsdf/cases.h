@@ -32,6 +32,11 @@ inline const AlbedoTable* TestTrappedLight() {
 inline constexpr Rgb kCopperEta = {0.25f, 1.04f, 1.16f};
 inline constexpr Rgb kCopperK = {3.3f, 2.6f, 2.4f};
 
+inline const SchlickAlbedo* TestSchlickAlbedo() {
+  static const SchlickAlbedo albedo;
+  return &albedo;
+}
+
 inline Coat TestCoat(float alpha, Rgb optical_depth = {}) {
   return {&TestCoatInterface(), Ggx::FromAlpha(alpha, alpha), optical_depth};
 }
@@ -88,12 +93,28 @@ inline std::vector<BsdfCase> AllBsdfCases() {
        CoatedConductorBsdf(TestCoat(0.1f), TestTrappedLight(), kCopperEta, kCopperK,
                            Ggx::FromAlpha(0.3f, 0.3f))},
   };
+  const auto metallic_roughness = [&](const std::string& name, MetallicRoughness m) {
+    m.base_color = color;
+    cases.push_back({"metallic-roughness: " + name, MetallicRoughnessBsdf(TestSchlickAlbedo(), m)});
+  };
+  metallic_roughness("smooth dielectric", {.alpha = 0});
+  metallic_roughness("smooth metal", {.metallic = 1, .alpha = 0});
+  metallic_roughness("smooth pane", {.alpha = 0, .transmission = 1});
+  metallic_roughness("half metal", {.metallic = 0.5f, .alpha = 0.2f});
+  metallic_roughness("dim coloured specular",
+                     {.alpha = 0.1f, .specular_color = {1, 0.3f, 0.1f}, .specular = 0.5f});
+  metallic_roughness("rough pane", {.alpha = 0.3f, .transmission = 0.8f});
+  metallic_roughness("smooth coat", {.metallic = 0.3f, .alpha = 0.4f, .coat = 0.8f});
+  metallic_roughness(
+      "all at once",
+      {.metallic = 0.2f, .alpha = 0.3f, .transmission = 0.5f, .coat = 1, .coat_alpha = 0.05f});
   for (const float alpha : {1e-3f, 0.01f, 0.1f, 0.5f, 1.0f}) {
     const std::string at = " at alpha " + std::to_string(alpha);
     const Ggx ggx = Ggx::FromAlpha(alpha, alpha);
     cases.push_back({"conductor" + at, ConductorBsdf{kCopperEta, kCopperK, ggx}});
     cases.push_back({"dielectric" + at, DielectricBsdf{1.5f, ggx}});
     cases.push_back({"rough coat on diffuse" + at, CoatedDiffuseBsdf(TestCoat(alpha), color)});
+    metallic_roughness("plastic" + at, {.alpha = alpha});
   }
   return cases;
 }

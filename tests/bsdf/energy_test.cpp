@@ -77,6 +77,50 @@ TEST(BsdfEnergy, RoughCoatOnWhiteReturnsAll) {
   }
 }
 
+// The weights of a metallic-roughness surface leave a white dielectric white at every angle, coated
+// or passing light as well; the specification's own weights, by the microfacet's Fresnel term, do
+// not: they are the control.
+TEST(BsdfEnergy, WhiteMetallicRoughnessDielectricReturnsAll) {
+  uint64_t seed = 1;
+  for (const float alpha : {0.0f, 0.002f, 0.05f, 0.3f, 1.0f}) {
+    const Bsdf bsdf =
+        MetallicRoughnessBsdf(TestSchlickAlbedo(), {.base_color = Rgb::Gray(1), .alpha = alpha});
+    for (const double angle : {0.0, 30.0, 60.0, 80.0, 87.0}) {
+      const Furnace furnace = MeasureAlbedo(bsdf, DirectionAt(angle), seed++);
+      EXPECT_NEAR(furnace.g.mean(), 1, 0.01 + 5 * furnace.g.error())
+          << "alpha " << alpha << " at " << angle << " degrees";
+    }
+  }
+  // By the specification's formula, at 80 degrees: reflection plus (1 - F(wo . m)) / pi.
+  const Vec3f wo = DirectionAt(80);
+  TestRandom random(seed);
+  MeanWithError diffuse;
+  for (int i = 0; i < 40000; ++i) {
+    const Vec3f wi = SampleCosineHemisphere(random.Float2());
+    const float grazing = MetallicRoughnessBsdf::Grazing(Dot(wo, Normalize(wo + wi)));
+    diffuse.Add(1 - MetallicRoughnessBsdf::Fresnel(0.04f, 1, grazing));
+  }
+  const float mirror =
+      MetallicRoughnessBsdf::Fresnel(0.04f, 1, MetallicRoughnessBsdf::Grazing(wo.z));
+  EXPECT_GT(diffuse.mean() + mirror, 1.2);
+}
+
+// What its tables say of a metal is what the lobe returns.
+TEST(BsdfEnergy, SchlickTablesAreTheLobesAlbedo) {
+  uint64_t seed = 1;
+  const Rgb color = {0.9f, 0.5f, 0.1f};
+  for (const float alpha : {0.05f, 0.3f, 1.0f}) {
+    const Bsdf bsdf = MetallicRoughnessBsdf(TestSchlickAlbedo(),
+                                            {.base_color = color, .metallic = 1, .alpha = alpha});
+    for (const double angle : {0.0, 45.0, 75.0}) {
+      const Vec3f wo = DirectionAt(angle);
+      const Furnace furnace = MeasureAlbedo(bsdf, wo, seed++);
+      EXPECT_NEAR(furnace.g.mean(), Albedo(bsdf, wo).g, 0.004 + 5 * furnace.g.error())
+          << "alpha " << alpha << " at " << angle << " degrees";
+    }
+  }
+}
+
 // The like for a metal that reflects all: what it spreads beyond the critical angle comes out.
 TEST(BsdfEnergy, CoatOnPerfectMetalReturnsAll) {
   uint64_t seed = 1;

@@ -35,6 +35,13 @@ TEST(ReplayCommand, NamesScenesAsAShellReadsThem) {
   EXPECT_EQ(CheckCommand(spec), "strata check ./-x.pbrt");
 }
 
+TEST(ReplayCommand, KeepsTheScenesOptions) {
+  JobSpec spec;
+  spec.bundle.scene = "helmet.glb";
+  spec.bundle.options = {"sky.exr", "-1,2,3,0,0,0"};
+  EXPECT_EQ(CheckCommand(spec), "strata check helmet.glb --env=sky.exr --camera=-1,2,3,0,0,0");
+}
+
 TEST(ShellQuoted, LeavesPlainWordsAlone) {
   EXPECT_EQ(ShellQuoted("a/b-1.pbrt"), "a/b-1.pbrt");
   EXPECT_EQ(ShellQuoted(""), "''");

@@ -53,8 +53,8 @@ class NumberRenderer final : public UnitRenderer {
 class NumberEngine final : public RenderEngine {
  public:
   absl::StatusOr<std::shared_ptr<const LoadedScene>> Load(const FileSource& source,
-                                                          const std::string& scene_path) override {
-    STRATA_ASSIGN_OR_RETURN(const std::filesystem::path path, source.Locate(scene_path));
+                                                          const Bundle& bundle) override {
+    STRATA_ASSIGN_OR_RETURN(const std::filesystem::path path, source.Locate(bundle.scene));
     auto scene = std::make_shared<NumberScene>();
     std::getline(std::ifstream(path), scene->text, '\n');
     if (scene->text == "broken") return absl::InvalidArgumentError("scene.txt:1: is broken");

@@ -129,9 +129,9 @@ class CountedEngine final : public RenderEngine {
  public:
   explicit CountedEngine(EngineCounts& counts) : counts_(counts) {}
   absl::StatusOr<std::shared_ptr<const LoadedScene>> Load(const FileSource& source,
-                                                          const std::string& scene_path) override {
+                                                          const Bundle& bundle) override {
     ++counts_.loads;
-    return engine_->Load(source, scene_path);
+    return engine_->Load(source, bundle);
   }
   absl::StatusOr<std::unique_ptr<UnitRenderer>> Prepare(std::shared_ptr<const LoadedScene> scene,
                                                         const JobSpec& spec) override {

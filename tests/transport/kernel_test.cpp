@@ -50,9 +50,14 @@ TestScene OneOfEach() {
            MaterialDescription(CoatedDiffuseMaterial{
                .reflectance = checkerboard, .roughness = alpha, .albedo = scene.Texture({})}),
            MaterialDescription(DiffuseTransmissionMaterial{half, rough}),
+           MaterialDescription(MetallicRoughnessMaterial{.base_color = checkerboard,
+           .metallic = rough,
+           .roughness = half,
+           .transmission = half,
+           .coat = half}),
        }) {
     scene.Sphere({x, 0.7f, 0}, 0.6f, scene.Material(material));
-    x += 1.6f;
+    x += 1.3f;
   }
   // Mapped normals on a wall and a ball; a screen and a ball of which a part is there.
   scene.description.textures.push_back(CheckerboardTexture{.a = scene.Texture({0.6f, 0.4f, 0.9f}),

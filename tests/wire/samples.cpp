@@ -9,6 +9,7 @@ JobSpec SampleSpec() {
   spec.bundle.scene = "scene.pbrt";
   spec.bundle.files = {{"scene.pbrt", DigestOf("scene"), 1234},
                        {"textures/wood.png", DigestOf("wood"), uint64_t{5} << 32}};
+  spec.bundle.options = {"textures/wood.png", "1,2,3,0,0,0,45"};
   spec.width = 640;
   spec.height = 480;
   spec.crop = {16, 32, 200, 100};

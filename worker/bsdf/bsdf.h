@@ -13,6 +13,7 @@
 #include "worker/bsdf/dielectric.h"
 #include "worker/bsdf/diffuse.h"
 #include "worker/bsdf/diffuse_transmission.h"
+#include "worker/bsdf/metallic_roughness.h"
 #include "worker/bsdf/mixture.h"
 #include "worker/bsdf/thin_dielectric.h"
 
@@ -34,7 +35,7 @@ namespace strata {
 
 using Bsdf = std::variant<DiffuseBsdf, ConductorBsdf, DielectricBsdf, ThinDielectricBsdf,
                           CoatedDiffuseBsdf, CoatedConductorBsdf, DiffuseTransmissionBsdf,
-                          BlinnBsdf, AshikhminShirleyBsdf, MixtureBsdf>;
+                          BlinnBsdf, AshikhminShirleyBsdf, MetallicRoughnessBsdf, MixtureBsdf>;
 
 inline Rgb Eval(const Bsdf& bsdf, Vec3f wo, Vec3f wi) {
   return std::visit([&](const auto& b) { return Eval(b, wo, wi); }, bsdf);
@@ -67,6 +68,7 @@ inline bool HasDelta(const Bsdf& bsdf) {
 /// Whether light may pass through the surface.
 inline bool Transmits(const Bsdf& bsdf) {
   if (const auto* mixture = std::get_if<MixtureBsdf>(&bsdf)) return Transmits(*mixture);
+  if (const auto* b = std::get_if<MetallicRoughnessBsdf>(&bsdf)) return !IsBlack(b->transmission);
   return std::holds_alternative<DielectricBsdf>(bsdf) ||
          std::holds_alternative<ThinDielectricBsdf>(bsdf) ||
          std::holds_alternative<DiffuseTransmissionBsdf>(bsdf);

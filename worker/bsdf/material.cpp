@@ -54,6 +54,10 @@ std::string NumbersProblem(const MaterialDescription& material) {
       m && !(m->scale >= 0 && std::isfinite(m->scale))) {
     return absl::StrCat("the scale of a diffuse transmission must be 0 or more, not ", m->scale);
   }
+  if (const auto* m = std::get_if<MetallicRoughnessMaterial>(&material);
+      m && !(m->f0 >= 0 && m->f0 <= 1)) {
+    return absl::StrCat("the reflectance at normal incidence must be 0 to 1, not ", m->f0);
+  }
   return "";
 }
 
@@ -92,11 +96,18 @@ struct Lookup {
   const TextureSet& textures;
   const std::map<float, CoatInterface>& coats;
   const std::map<float, AlbedoTable>& trapped_light;
+  const SchlickAlbedo* schlick;  ///< Null where no material needs it.
   Vec2f uv;
   Vec3f p;
 
   Rgb Color(TextureId id) const { return textures.Eval(id, uv, p); }
   Rgb Reflectance(TextureId id) const { return Clamp01(Color(id)); }
+  Rgb ReflectanceOr(TextureId id, Rgb otherwise) const {
+    return id == kNoTexture ? otherwise : Reflectance(id);
+  }
+  float FractionOr(TextureId id, float otherwise) const {
+    return id == kNoTexture ? otherwise : std::clamp(Color(id).r, 0.0f, 1.0f);
+  }
 
   Ggx Microfacets(const Roughness& roughness) const {
     const auto alpha = [&](TextureId id) {
@@ -171,6 +182,20 @@ struct Lookup {
                                 Reflectance(m.specular),
                                 {Exponent(m.u_exponent), Exponent(m.v_exponent)}};
   }
+  Bsdf operator()(const MetallicRoughnessMaterial& m) const {
+    const float roughness = FractionOr(m.roughness, 1);
+    const float coat_roughness = FractionOr(m.coat_roughness, 0);
+    return MetallicRoughnessBsdf(schlick,
+                                 {.base_color = ReflectanceOr(m.base_color, Rgb::Gray(1)),
+                                  .metallic = FractionOr(m.metallic, 1),
+                                  .alpha = roughness * roughness,
+                                  .f0 = m.f0,
+                                  .specular_color = ReflectanceOr(m.specular_color, Rgb::Gray(1)),
+                                  .specular = FractionOr(m.specular, 1),
+                                  .transmission = FractionOr(m.transmission, 0),
+                                  .coat = FractionOr(m.coat, 0),
+                                  .coat_alpha = coat_roughness * coat_roughness});
+  }
   /// Mixes are resolved before; an interface is glass of index 1.
   Bsdf operator()(const MixMaterial&) const { return ThinDielectricBsdf{1}; }
   Bsdf operator()(const InterfaceMaterial&) const { return ThinDielectricBsdf{1}; }
@@ -209,6 +234,8 @@ absl::StatusOr<std::unique_ptr<MaterialSet>> MaterialSet::Build(
         m && !set->trapped_light_.contains(m->interface_eta)) {
       set->trapped_light_.emplace(m->interface_eta, TabulateTrappedLight(m->interface_eta));
     }
+    if (std::holds_alternative<MetallicRoughnessMaterial>(materials[id]) && !set->schlick_)
+      set->schlick_ = std::make_unique<SchlickAlbedo>();
   }
   set->materials_ = std::move(materials);
   for (const MaterialDescription& material : set->materials_) {
@@ -219,7 +246,9 @@ absl::StatusOr<std::unique_ptr<MaterialSet>> MaterialSet::Build(
       if (id != kNoTexture && !textures.IsConstant(id)) entry.constant = false;
     });
     if (entry.constant)
-      entry.bsdf = std::visit(Lookup{textures, set->coats_, set->trapped_light_, {}, {}}, material);
+      entry.bsdf = std::visit(
+          Lookup{textures, set->coats_, set->trapped_light_, set->schlick_.get(), {}, {}},
+          material);
     set->entries_.push_back(entry);
   }
   STRATA_RETURN_IF_ERROR(set->SetDetails(details));
@@ -273,7 +302,8 @@ MaterialSet::Choice MaterialSet::Choose(MaterialId id, Vec2f uv, Vec3f p, float 
 Bsdf MaterialSet::MakeBsdf(MaterialId id, Vec2f uv, Vec3f p) const {
   const Entry& entry = entries_[id];
   if (entry.constant) return entry.bsdf;
-  return std::visit(Lookup{textures_, coats_, trapped_light_, uv, p}, materials_[id]);
+  return std::visit(Lookup{textures_, coats_, trapped_light_, schlick_.get(), uv, p},
+                    materials_[id]);
 }
 
 void MaterialSet::AddParts(MaterialId id, float weight, Vec2f uv, Vec3f p, float u_mix,

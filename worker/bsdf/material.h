@@ -77,6 +77,7 @@ class MaterialSet {
   std::vector<Entry> entries_;
   std::map<float, CoatInterface> coats_;        ///< By index of refraction.
   std::map<float, AlbedoTable> trapped_light_;  ///< Of coats over metals, likewise.
+  std::unique_ptr<SchlickAlbedo> schlick_;      ///< If a material needs it.
 };
 
 }  // namespace strata

@@ -38,6 +38,15 @@ ImageTexels Channels(const ImageFile& file, int first, int count, Decode decode)
 
 }  // namespace
 
+absl::StatusOr<ImageFile> ReadTextureImage(const ImageTexture& texture, const FileSource& source) {
+  if (texture.embedded) {
+    if (const auto* pixels = std::get_if<ImageFile>(&*texture.embedded)) return *pixels;
+    return ReadImageBytes(texture.path, std::get<std::string>(*texture.embedded));
+  }
+  STRATA_ASSIGN_OR_RETURN(const std::filesystem::path path, source.Locate(texture.path));
+  return ReadImageFile(path);
+}
+
 bool HasAlpha(const ImageFile& file) { return file.channels == 2 || file.channels == 4; }
 
 bool IsTranslucent(const ImageFile& file) {

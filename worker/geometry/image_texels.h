@@ -7,8 +7,13 @@
 #include "common/image_file.h"
 #include "common/status.h"
 #include "worker/scene/description.h"
+#include "worker/scene/file_source.h"
 
 namespace strata {
+
+/// The image of a texture, from its file or from where it is embedded. Errors are of the file
+/// alone.
+absl::StatusOr<ImageFile> ReadTextureImage(const ImageTexture& texture, const FileSource& source);
 
 /// INVALID_ARGUMENT naming the first texel that is NaN or infinite; only floating-point images can
 /// have one. Looks at the alpha channel or at all others.

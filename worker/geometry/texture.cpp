@@ -18,19 +18,24 @@ namespace {
 struct ImageNode {
   uint32_t texels = 0, table = 0;
   UvMapping mapping;
-  ImageWrap wrap = ImageWrap::kRepeat;
+  ImageWrap wrap = ImageWrap::kRepeat, wrap_t = ImageWrap::kRepeat;
   float scale = 1;
   bool invert = false, nearest = false, scalar = false;
+  int channel = -1;  ///< 0 to 2, or -1 for all.
 };
 using TextureNode = std::variant<Rgb, ImageNode, ScaleTexture, MixTexture, CheckerboardTexture>;
 
 Vec2f Map(const UvMapping& mapping, Vec2f uv) {
-  return {mapping.su * uv.x + mapping.du, mapping.sv * uv.y + mapping.dv};
+  Vec2f st = {mapping.su * uv.x + mapping.du, mapping.sv * uv.y + mapping.dv};
+  if (mapping.s_v != 0) st.x += mapping.s_v * uv.y;
+  if (mapping.t_u != 0) st.y += mapping.t_u * uv.x;
+  return st;
 }
 
 /// A coordinate brought to where pixel indices are small integers. NaN becomes the lower end.
 float Reduce(float s, ImageWrap wrap) {
   if (wrap == ImageWrap::kRepeat) s -= std::floor(s);
+  if (wrap == ImageWrap::kMirror) s = 1 - std::fabs(1 - (s - 2 * std::floor(0.5f * s)));
   return s >= -1 ? std::min(s, 2.0f) : -1.0f;
 }
 
@@ -38,35 +43,39 @@ float Reduce(float s, ImageWrap wrap) {
 int WrapIndex(int i, int size, ImageWrap wrap) {
   if (i >= 0 && i < size) return i;
   if (wrap == ImageWrap::kRepeat) return i < 0 ? (i % size + size) % size : i % size;
-  return wrap == ImageWrap::kClamp ? std::clamp(i, 0, size - 1) : -1;
+  // Beyond a mirrored border lies the pixel itself.
+  return wrap != ImageWrap::kBlack ? std::clamp(i, 0, size - 1) : -1;
 }
 
-Rgb Texel(const ImageTexels& texels, const DecodeTable& table, int x, int y, ImageWrap wrap) {
-  x = WrapIndex(x, texels.width, wrap);
-  y = WrapIndex(y, texels.height, wrap);
+Rgb Texel(const ImageTexels& texels, const DecodeTable& table, int x, int y,
+          const ImageNode& node) {
+  x = WrapIndex(x, texels.width, node.wrap);
+  y = WrapIndex(y, texels.height, node.wrap_t);
   return x < 0 || y < 0 ? Rgb{} : texels.At(x, y, table);
 }
 
 Rgb LookUp(const ImageTexels& texels, const DecodeTable& table, const ImageNode& node, Vec2f uv) {
   const Vec2f st = Map(node.mapping, uv);
   const float x = Reduce(st.x, node.wrap) * texels.width;
-  const float y = Reduce(1 - st.y, node.wrap) * texels.height;
+  const float y = Reduce(1 - st.y, node.wrap_t) * texels.height;
   if (node.nearest)
     return Texel(texels, table, static_cast<int>(std::floor(x)), static_cast<int>(std::floor(y)),
-                 node.wrap);
+                 node);
   // Pixel centers are at half-integers.
   const float left = std::floor(x - 0.5f), top = std::floor(y - 0.5f);
   const float fx = x - 0.5f - left, fy = y - 0.5f - top;
   const int ix = static_cast<int>(left), iy = static_cast<int>(top);
-  const auto texel = [&](int dx, int dy) {
-    return Texel(texels, table, ix + dx, iy + dy, node.wrap);
-  };
+  const auto texel = [&](int dx, int dy) { return Texel(texels, table, ix + dx, iy + dy, node); };
   return (1 - fy) * ((1 - fx) * texel(0, 0) + fx * texel(1, 0)) +
          fy * ((1 - fx) * texel(0, 1) + fx * texel(1, 1));
 }
 
 Rgb Finish(const ImageNode& node, Rgb value) {
-  if (node.scalar) value = Rgb::Gray(Average(value));
+  if (node.channel >= 0) {
+    value = Rgb::Gray(node.channel == 0 ? value.r : node.channel == 1 ? value.g : value.b);
+  } else if (node.scalar) {
+    value = Rgb::Gray(Average(value));
+  }
   value *= node.scale;
   if (!node.invert) return value;
   return {std::max(0.0f, 1 - value.r), std::max(0.0f, 1 - value.g), std::max(0.0f, 1 - value.b)};
@@ -236,10 +245,12 @@ absl::StatusOr<ImageNode> TextureLoader::LoadImage(const ImageTexture& texture,
   ImageNode node;
   node.mapping = texture.mapping;
   node.wrap = texture.wrap;
+  node.wrap_t = texture.wrap_t.value_or(texture.wrap);
   node.scale = texture.scale;
   node.invert = texture.invert;
   node.nearest = texture.nearest;
   node.scalar = texture.scalar;
+  node.channel = texture.channel.value_or(-1);
 
   const auto known = translucent_.find(texture.path);
   const auto wants_alpha = [&](bool translucent) {
@@ -259,8 +270,7 @@ absl::StatusOr<ImageNode> TextureLoader::LoadImage(const ImageTexture& texture,
       return node;
     }
   }
-  STRATA_ASSIGN_OR_RETURN(const std::filesystem::path path, source_.Locate(texture.path));
-  absl::StatusOr<ImageFile> file = ReadImageFile(path);
+  absl::StatusOr<ImageFile> file = ReadTextureImage(texture, source_);
   if (!file.ok()) return Annotate(file.status(), absl::StrCat("texture image ", texture.path));
   alpha = wants_alpha(translucent_[texture.path] = IsTranslucent(*file));
   encoding = alpha ? ImageEncoding::kLinear : texture.encoding;

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "common/bundle.h"
 #include "common/job.h"
 #include "common/kernel_revision.h"
 #include "common/status.h"
@@ -20,7 +21,8 @@ class Scene;
 /// Reads the bundle's scene from `source` and builds it.
 absl::StatusOr<std::shared_ptr<const Scene>> LoadScene(const FileSource& source,
                                                        const std::string& scene_path,
-                                                       const LightOptions& options = {});
+                                                       const LightOptions& light_options = {},
+                                                       const SceneOptions& scene_options = {});
 
 /// Threads that share the pixels of one unit at a time. Not thread-safe itself.
 class RenderPool {

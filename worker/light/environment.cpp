@@ -10,10 +10,14 @@ absl::StatusOr<EnvironmentImage> EnvironmentImage::Load(const ImageInfiniteLight
                                                         const FileSource& source,
                                                         bool compensated) {
   STRATA_ASSIGN_OR_RETURN(LightImage image, ReadLightImage(light.path, light.scale, source));
-  if (light.mapping == EnvironmentMapping::kEqualArea)
+  EnvironmentMapping mapping = light.mapping;
+  if (mapping == EnvironmentMapping::kByShape)
+    mapping =
+        image.width == image.height ? EnvironmentMapping::kEqualArea : EnvironmentMapping::kLatLong;
+  if (mapping == EnvironmentMapping::kEqualArea)
     STRATA_RETURN_IF_ERROR(CheckEqualArea(image, light.path));
   STRATA_ASSIGN_OR_RETURN(const Frame axes, LightAxes(light.to_world));
-  return EnvironmentImage(image.width, image.height, std::move(image.pixels), light.mapping, axes,
+  return EnvironmentImage(image.width, image.height, std::move(image.pixels), mapping, axes,
                           compensated);
 }
 

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <absl/container/flat_hash_map.h>
-
 #include <filesystem>
 #include <set>
 #include <string>
@@ -11,24 +9,9 @@
 #include "common/status.h"
 #include "worker/scene/description.h"
 #include "worker/scene/file_source.h"
+#include "worker/scene/warning_list.h"
 
 namespace strata {
-
-/// Gathers what a person should know of a scene, each text once with the place it is first seen.
-class WarningList {
- public:
-  void Add(const SourceLocation& where, std::string_view text);
-  /// In the order of their first appearance; those seen more often say how often.
-  std::vector<SceneWarning> Take();
-
- private:
-  struct Entry {
-    SceneWarning warning;
-    int count = 0;
-  };
-  std::vector<Entry> entries_;
-  absl::flat_hash_map<std::string, size_t> index_;
-};
 
 /// What all parts of the pbrt reader share while one scene is read.
 class ReadContext {
@@ -61,8 +44,5 @@ class ReadContext {
   const FileSource& source_;
   const std::string directory_;
 };
-
-/// All bytes of a file of at most `limit` bytes.
-absl::StatusOr<std::string> ReadWholeFile(const std::filesystem::path& path, uint64_t limit);
 
 }  // namespace strata

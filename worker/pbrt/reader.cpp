@@ -31,24 +31,4 @@ absl::StatusOr<PbrtScene> ReadPbrt(const FileSource& source, const std::string& 
                    unused};
 }
 
-absl::StatusOr<Bundle> MakeBundle(const FileSource& source, const std::string& scene_path,
-                                  const std::vector<std::string>& files) {
-  Bundle bundle;
-  bundle.scene = scene_path;
-  for (const std::string& path : files) {
-    STRATA_ASSIGN_OR_RETURN(const std::filesystem::path local, source.Locate(path));
-    BundleFile file;
-    file.path = path;
-    std::error_code error;
-    file.bytes = std::filesystem::file_size(local, error);
-    if (error) return absl::NotFoundError(StrCat("\"", path, "\": ", error.message()));
-    STRATA_ASSIGN_OR_RETURN(file.digest, DigestOfFile(local));
-    bundle.files.push_back(std::move(file));
-  }
-  std::sort(bundle.files.begin(), bundle.files.end(),
-            [](const BundleFile& a, const BundleFile& b) { return a.path < b.path; });
-  STRATA_RETURN_IF_ERROR(ValidateBundle(bundle));
-  return bundle;
-}
-
 }  // namespace strata

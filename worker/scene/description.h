@@ -3,11 +3,13 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
+#include "common/image_file.h"
 #include "common/job.h"
 #include "worker/math/transform.h"
 #include "worker/math/vec.h"
@@ -21,7 +23,10 @@ namespace strata {
 struct SourceLocation {
   std::string file;  ///< As named by the user or the including file.
   int line = 0;
-  std::string ToString() const { return file + ":" + std::to_string(line); }
+  std::string element;  ///< Of a JSON file, instead of a line: "materials[2].normalTexture".
+  std::string ToString() const {
+    return file + ":" + (element.empty() ? std::to_string(line) : element);
+  }
 };
 
 /// Something read but not rendered as the file asks. The picture stays meaningful.
@@ -35,18 +40,26 @@ struct SceneWarning {
 using TextureId = int32_t;
 inline constexpr TextureId kNoTexture = -1;
 
-/// (s, t) = (su * u + du, sv * v + dv), pbrt's "uv" mapping.
+/// (s, t) = (su * u + s_v * v + du, t_u * u + sv * v + dv); without the mixed terms pbrt's "uv"
+/// mapping.
 struct UvMapping {
   float su = 1, sv = 1, du = 0, dv = 0;
+  float s_v = 0, t_u = 0;
 };
-enum class ImageWrap { kRepeat, kBlack, kClamp };
+/// kMirror repeats, every second time mirrored.
+enum class ImageWrap { kRepeat, kBlack, kClamp, kMirror };
 enum class ImageEncoding { kSrgb, kLinear, kGamma };  ///< Of 8-bit files; others are linear.
 
 struct ConstantTexture {
   Rgb value;
 };
+/// An image that is no file of its own: the bytes of an image file inside another, or pixels that a
+/// reader made.
+using EmbeddedImage = std::variant<std::string, ImageFile>;
+
 struct ImageTexture {
-  std::string path;  ///< In the bundle. Row 0 of the image is at t = 1.
+  std::string
+      path;  ///< In the bundle; names it alone if `embedded`. Row 0 of the image is at t = 1.
   UvMapping mapping;
   ImageWrap wrap = ImageWrap::kRepeat;
   ImageEncoding encoding = ImageEncoding::kSrgb;
@@ -59,6 +72,10 @@ struct ImageTexture {
   bool scalar = false;
   bool alpha = false;  ///< The alpha channel in all of r, g, b, never encoded; 1 if there is none.
   SourceLocation where;  ///< That names the image.
+  std::shared_ptr<const EmbeddedImage> embedded = nullptr;
+  std::optional<ImageWrap> wrap_t = std::nullopt;  ///< Along t, where it is not `wrap`.
+  /// 0 to 2: that channel alone, in all of r, g, b.
+  std::optional<int> channel = std::nullopt;
 };
 struct ScaleTexture {
   TextureId texture = kNoTexture, scale = kNoTexture;
@@ -128,6 +145,19 @@ struct AshikhminShirleyMaterial {
   TextureId reflectance = kNoTexture, specular = kNoTexture;  ///< Rd and Rs.
   TextureId u_exponent = kNoTexture, v_exponent = kNoTexture;
 };
+/// glTF 2.0's surface: MetallicRoughnessBsdf says what it does with light. Colours and numbers are
+/// cut to [0, 1]; kNoTexture is what is said beside.
+struct MetallicRoughnessMaterial {
+  TextureId base_color = kNoTexture;      ///< White.
+  TextureId metallic = kNoTexture;        ///< 1.
+  TextureId roughness = kNoTexture;       ///< 1; its square is GGX's alpha.
+  float f0 = 0.04f;                       ///< Of the dielectric at normal incidence, 0 to 1.
+  TextureId specular = kNoTexture;        ///< 1.
+  TextureId specular_color = kNoTexture;  ///< White.
+  TextureId transmission = kNoTexture;    ///< 0.
+  TextureId coat = kNoTexture;            ///< 0.
+  TextureId coat_roughness = kNoTexture;  ///< 0.
+};
 struct MixMaterial {
   MaterialId a = 0, b = 0;
   TextureId amount = kNoTexture;  ///< Of b.
@@ -139,7 +169,8 @@ struct InterfaceMaterial {};
 using MaterialDescription =
     std::variant<DiffuseMaterial, ConductorMaterial, DielectricMaterial, ThinDielectricMaterial,
                  CoatedDiffuseMaterial, CoatedConductorMaterial, DiffuseTransmissionMaterial,
-                 BlinnMaterial, AshikhminShirleyMaterial, MixMaterial, InterfaceMaterial>;
+                 BlinnMaterial, AshikhminShirleyMaterial, MetallicRoughnessMaterial, MixMaterial,
+                 InterfaceMaterial>;
 
 /// What turns the shading normal of a material away from that of the shape, without moving the
 /// surface. At most one of the two maps is set.
@@ -268,7 +299,8 @@ struct DistantLightDescription {
 struct ConstantInfiniteLightDescription {
   Rgb radiance;
 };
-enum class EnvironmentMapping { kEqualArea, kLatLong };
+/// kByShape: equal-area where the image is square, else latitude and longitude.
+enum class EnvironmentMapping { kEqualArea, kLatLong, kByShape };
 struct ImageInfiniteLightDescription {
   std::string path;  ///< In the bundle; pbrt-v4's equal-area octahedral layout unless lat-long.
   Transform to_world;

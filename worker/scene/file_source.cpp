@@ -1,6 +1,7 @@
 #include "worker/scene/file_source.h"
 
 #include <algorithm>
+#include <fstream>
 #include <system_error>
 
 #include "common/bundle.h"
@@ -11,6 +12,8 @@ namespace strata {
 absl::StatusOr<std::filesystem::path> DirectorySource::Locate(
     const std::string& bundle_path) const {
   namespace fs = std::filesystem;
+  if (const auto found = elsewhere_.find(bundle_path); found != elsewhere_.end())
+    return found->second;
   if (!IsBundlePath(bundle_path)) {
     return absl::InvalidArgumentError(StrCat(
         "\"", bundle_path, "\" is no path inside the scene's root; it must be relative to it"));
@@ -38,6 +41,22 @@ absl::StatusOr<std::filesystem::path> DirectorySource::Locate(
     return absl::InvalidArgumentError(StrCat("\"", bundle_path, "\" is no regular file"));
   }
   return path;
+}
+
+absl::StatusOr<std::string> ReadWholeFile(const std::filesystem::path& path, uint64_t limit) {
+  std::error_code error;
+  const uint64_t bytes = std::filesystem::file_size(path, error);
+  if (error) return absl::NotFoundError(error.message());
+  if (bytes > limit) {
+    return absl::InvalidArgumentError(
+        StrCat("the file has ", bytes, " bytes; at most ", limit, " are read"));
+  }
+  std::string text(bytes, '\0');
+  std::ifstream file(path, std::ios::binary);
+  if (!file.read(text.data(), static_cast<std::streamsize>(bytes))) {
+    return absl::UnavailableError("the file cannot be read; check its permissions");
+  }
+  return text;
 }
 
 }  // namespace strata

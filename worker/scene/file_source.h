@@ -1,7 +1,10 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <map>
 #include <string>
+#include <utility>
 
 #include "common/status.h"
 
@@ -16,14 +19,23 @@ class FileSource {
   virtual absl::StatusOr<std::filesystem::path> Locate(const std::string& bundle_path) const = 0;
 };
 
+/// Local files by bundle path.
+using FilesElsewhere = std::map<std::string, std::filesystem::path>;
+
 /// Files under one directory of this machine. Symbolic links that lead out of it are refused.
 class DirectorySource : public FileSource {
  public:
-  explicit DirectorySource(std::filesystem::path root) : root_(std::move(root)) {}
+  /// `elsewhere`: files that a user, and not the scene, has named, wherever they lie.
+  explicit DirectorySource(std::filesystem::path root, FilesElsewhere elsewhere = {})
+      : root_(std::move(root)), elsewhere_(std::move(elsewhere)) {}
   absl::StatusOr<std::filesystem::path> Locate(const std::string& bundle_path) const override;
 
  private:
   std::filesystem::path root_;
+  FilesElsewhere elsewhere_;
 };
+
+/// All bytes of a file of at most `limit` bytes.
+absl::StatusOr<std::string> ReadWholeFile(const std::filesystem::path& path, uint64_t limit);
 
 }  // namespace strata

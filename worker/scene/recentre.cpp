@@ -50,19 +50,6 @@ Box BoundsOf(const std::vector<ShapeDescription>& shapes) {
   return box;
 }
 
-Box BoundsOf(const SceneDescription& scene) {
-  Box box = BoundsOf(scene.shapes);
-  std::vector<Box> objects;
-  for (const ObjectDescription& object : scene.objects) objects.push_back(BoundsOf(object.shapes));
-  for (const InstanceDescription& instance : scene.instances) {
-    const size_t object = static_cast<size_t>(instance.object);
-    if (object >= objects.size()) continue;
-    box.Include(Placed(objects[object], instance.to_world));
-    if (instance.to_world_at_end) box.Include(Placed(objects[object], *instance.to_world_at_end));
-  }
-  return box;
-}
-
 /// The origin that Recentre moves to; the old one for a scene without shapes or beyond all numbers.
 Vec3d OriginOf(const SceneDescription& scene) {
   const Box box = BoundsOf(scene);
@@ -82,6 +69,19 @@ Vec3d OriginOf(const SceneDescription& scene) {
 }
 
 }  // namespace
+
+Box BoundsOf(const SceneDescription& scene) {
+  Box box = BoundsOf(scene.shapes);
+  std::vector<Box> objects;
+  for (const ObjectDescription& object : scene.objects) objects.push_back(BoundsOf(object.shapes));
+  for (const InstanceDescription& instance : scene.instances) {
+    const size_t object = static_cast<size_t>(instance.object);
+    if (object >= objects.size()) continue;
+    box.Include(Placed(objects[object], instance.to_world));
+    if (instance.to_world_at_end) box.Include(Placed(objects[object], *instance.to_world_at_end));
+  }
+  return box;
+}
 
 Box BoundsOf(const ShapeGeometry& shape, const Transform& to) {
   return Placed(std::visit([](const auto& s) { return BoundsOf(s); }, shape), to);

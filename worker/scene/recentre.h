@@ -8,6 +8,9 @@ namespace strata {
 /// A box around the shape placed by `to`; empty for a mesh without vertices.
 Box BoundsOf(const ShapeGeometry& shape, const Transform& to);
 
+/// A box around all shapes and instances, in the file's world; empty for a scene without any.
+Box BoundsOf(const SceneDescription& scene);
+
 /// Moves the world's origin to where the camera is, or to the nearest point of the scene's bounds
 /// if it stands outside of them, so that what follows may round to float: in float a scene of unit
 /// size a million units from the origin has steps of a sixteenth. Returns the new origin in the

@@ -52,6 +52,15 @@ void ForEachTexture(Material& material, F f) {
           f(m.specular);
           f(m.u_exponent);
           f(m.v_exponent);
+        } else if constexpr (std::is_same_v<M, MetallicRoughnessMaterial>) {
+          f(m.base_color);
+          f(m.metallic);
+          f(m.roughness);
+          f(m.specular);
+          f(m.specular_color);
+          f(m.transmission);
+          f(m.coat);
+          f(m.coat_roughness);
         } else if constexpr (std::is_same_v<M, MixMaterial>) {
           f(m.amount);
         } else {

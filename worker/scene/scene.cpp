@@ -3,8 +3,8 @@
 #include <utility>
 
 #include "worker/integrator/render.h"
-#include "worker/pbrt/reader.h"
 #include "worker/scene/recentre.h"
+#include "worker/scene/scene_file.h"
 
 namespace strata {
 
@@ -35,9 +35,10 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Build(SceneDescription descr
 
 absl::StatusOr<std::shared_ptr<const Scene>> LoadScene(const FileSource& source,
                                                        const std::string& scene_path,
-                                                       const LightOptions& options) {
-  STRATA_ASSIGN_OR_RETURN(PbrtScene pbrt, ReadPbrt(source, scene_path));
-  return Scene::Build(std::move(pbrt.scene), source, options);
+                                                       const LightOptions& light_options,
+                                                       const SceneOptions& scene_options) {
+  STRATA_ASSIGN_OR_RETURN(SceneFile file, ReadSceneFile(source, scene_path, scene_options));
+  return Scene::Build(std::move(file.scene), source, light_options);
 }
 
 }  // namespace strata

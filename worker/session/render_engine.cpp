@@ -31,8 +31,9 @@ class PathTracingEngine final : public RenderEngine {
   explicit PathTracingEngine(int threads) : pool_(std::make_shared<RenderPool>(threads)) {}
 
   absl::StatusOr<std::shared_ptr<const LoadedScene>> Load(const FileSource& source,
-                                                          const std::string& scene_path) override {
-    STRATA_ASSIGN_OR_RETURN(std::shared_ptr<const Scene> scene, LoadScene(source, scene_path));
+                                                          const Bundle& bundle) override {
+    STRATA_ASSIGN_OR_RETURN(std::shared_ptr<const Scene> scene,
+                            LoadScene(source, bundle.scene, {}, bundle.options));
     return std::make_shared<const TracedScene>(std::move(scene));
   }
 

@@ -30,9 +30,10 @@ class UnitRenderer {
 class RenderEngine {
  public:
   virtual ~RenderEngine() = default;
-  /// INVALID_ARGUMENT or NOT_FOUND when the fault is the scene's.
-  virtual absl::StatusOr<std::shared_ptr<const LoadedScene>> Load(
-      const FileSource& source, const std::string& scene_path) = 0;
+  /// Loads the bundle's scene, whose files `source` has, as its options say. INVALID_ARGUMENT or
+  /// NOT_FOUND when the fault is the scene's.
+  virtual absl::StatusOr<std::shared_ptr<const LoadedScene>> Load(const FileSource& source,
+                                                                  const Bundle& bundle) = 0;
   /// INVALID_ARGUMENT when the spec cannot be rendered with this scene.
   virtual absl::StatusOr<std::unique_ptr<UnitRenderer>> Prepare(
       std::shared_ptr<const LoadedScene> scene, const JobSpec& spec) = 0;

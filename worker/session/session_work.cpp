@@ -97,7 +97,7 @@ absl::StatusOr<std::shared_ptr<const LoadedScene>> WorkerSession::LoadScene(
     const JobDescription& job) {
   const FileCache::Hold hold(*cache_, job.spec.bundle.files);
   STRATA_ASSIGN_OR_RETURN(const CacheSource source, Fetch(job));
-  return engine_->Load(source, job.spec.bundle.scene);
+  return engine_->Load(source, job.spec.bundle);
 }
 
 absl::StatusOr<CacheSource> WorkerSession::Fetch(const JobDescription& job) {

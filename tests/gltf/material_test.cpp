@@ -1,0 +1,178 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/gltf/gltf_file.h"
+
+// What a glTF material becomes.
+
+namespace strata {
+namespace {
+
+/// The square's material, of a file whose only material is `material`.
+struct ReadMaterial {
+  SceneFile file;
+  const ShapeDescription& shape() const { return file.scene.shapes.at(0); }
+  template <typename Material = MetallicRoughnessMaterial>
+  const Material& material() const {
+    return std::get<Material>(file.scene.materials.at(shape().material));
+  }
+  Rgb Constant(TextureId id) const {
+    return std::get<ConstantTexture>(file.scene.textures.at(id)).value;
+  }
+  const ImageTexture& Image(TextureId id) const {
+    return std::get<ImageTexture>(file.scene.textures.at(id));
+  }
+};
+
+/// A PNG of 2x2 pixels.
+constexpr const char* kImage =
+    "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAIAAAACCAYAAABytg0kAAAAFUlEQVR42mP4z8DwHwyBdMP/"
+    "//8ZAEZOCHkCeX4dAAAAAElFTkSuQmCC";
+
+GltfFile FileOf(Json material) {
+  GltfFile file;
+  file.Append("materials", std::move(material));
+  file.Append("images", {{"uri", kImage}});
+  file.Append("textures", {{"source", 0}});
+  file.AddNode({{"mesh", file.AddSquare({{"material", 0}})}});
+  return file;
+}
+
+ReadMaterial Read(Json material) {
+  absl::StatusOr<SceneFile> file = FileOf(std::move(material)).Read();
+  EXPECT_TRUE(file.ok()) << file.status();
+  return {*std::move(file)};
+}
+
+TEST(GltfMaterial, DefaultsAreAWhiteRoughMetal) {
+  const ReadMaterial read = Read(Json::object());
+  EXPECT_EQ(read.Constant(read.material().base_color), (Rgb{1, 1, 1}));
+  EXPECT_EQ(read.Constant(read.material().metallic).r, 1);
+  EXPECT_EQ(read.Constant(read.material().roughness).r, 1);
+  EXPECT_FLOAT_EQ(read.material().f0, 0.04f);
+  EXPECT_FALSE(read.shape().emission);
+}
+
+TEST(GltfMaterial, FactorsMultiplyTextures) {
+  const ReadMaterial read = Read({{"pbrMetallicRoughness",
+                                   {{"baseColorFactor", {0.5, 0.25, 1, 1}},
+                                    {"baseColorTexture", {{"index", 0}}},
+                                    {"metallicFactor", 0.75},
+                                    {"roughnessFactor", 0.5},
+                                    {"metallicRoughnessTexture", {{"index", 0}}}}}});
+  const auto& m = read.material();
+  const auto& base = std::get<ScaleTexture>(read.file.scene.textures[m.base_color]);
+  EXPECT_EQ(read.Image(base.texture).encoding, ImageEncoding::kSrgb);
+  EXPECT_EQ(read.Constant(base.scale), (Rgb{0.5f, 0.25f, 1}));
+  EXPECT_EQ(read.Image(m.roughness).channel, 1);
+  EXPECT_EQ(read.Image(m.roughness).scale, 0.5f);
+  EXPECT_EQ(read.Image(m.metallic).channel, 2);
+  EXPECT_EQ(read.Image(m.metallic).scale, 0.75f);
+  EXPECT_EQ(read.Image(m.metallic).encoding, ImageEncoding::kLinear);
+  EXPECT_TRUE(read.Image(m.metallic).embedded);
+}
+
+TEST(GltfMaterial, SamplersWrapAndFilter) {
+  GltfFile file = FileOf({{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}});
+  file.json["samplers"] = {{{"wrapS", 33071}, {"wrapT", 33648}, {"magFilter", 9728}}};
+  file.json["textures"][0]["sampler"] = 0;
+  const auto scene = file.Read();
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  const ReadMaterial read{*scene};
+  const ImageTexture& image = read.Image(read.material().base_color);
+  EXPECT_EQ(image.wrap, ImageWrap::kClamp);
+  EXPECT_EQ(image.wrap_t, ImageWrap::kMirror);
+  EXPECT_TRUE(image.nearest);
+}
+
+TEST(GltfMaterial, EmissionHasStrengthAndSides) {
+  Json material = {
+      {"emissiveFactor", {0.5, 1, 0}},
+      {"extensions", {{"KHR_materials_emissive_strength", {{"emissiveStrength", 8}}}}}};
+  const ReadMaterial read = Read(material);
+  ASSERT_TRUE(read.shape().emission);
+  EXPECT_EQ(read.shape().emission->radiance, (Rgb{4, 8, 0}));
+  EXPECT_FALSE(read.shape().emission->two_sided);
+  EXPECT_TRUE(read.file.scene.lights.empty()) << "a lamp needs no light beside it";
+  material["doubleSided"] = true;
+  material["emissiveTexture"] = {{"index", 0}};
+  const ReadMaterial mapped = Read(material);
+  EXPECT_TRUE(mapped.shape().emission->two_sided);
+  EXPECT_EQ(mapped.Image(mapped.shape().emission->texture).encoding, ImageEncoding::kSrgb);
+}
+
+TEST(GltfMaterial, IndexAndSpecularSetTheReflectance) {
+  const ReadMaterial read =
+      Read({{"extensions",
+             {{"KHR_materials_ior", {{"ior", 1.8}}},
+              {"KHR_materials_specular",
+               {{"specularFactor", 0.5}, {"specularColorFactor", {0.1, 0.2, 0.3}}}}}}});
+  EXPECT_FLOAT_EQ(read.material().f0, static_cast<float>(0.8 * 0.8 / (2.8 * 2.8)));
+  EXPECT_EQ(read.Constant(read.material().specular).r, 0.5f);
+  EXPECT_EQ(read.Constant(read.material().specular_color), (Rgb{0.1f, 0.2f, 0.3f}));
+}
+
+TEST(GltfMaterial, CoatAndTransmission) {
+  const ReadMaterial read =
+      Read({{"extensions",
+             {{"KHR_materials_clearcoat",
+               {{"clearcoatFactor", 0.75},
+                {"clearcoatRoughnessTexture", {{"index", 0}}},
+                {"clearcoatRoughnessFactor", 0.5}}},
+              {"KHR_materials_transmission",
+               {{"transmissionFactor", 0.25}, {"transmissionTexture", {{"index", 0}}}}}}}});
+  EXPECT_EQ(read.Constant(read.material().coat).r, 0.75f);
+  EXPECT_EQ(read.Image(read.material().coat_roughness).channel, 1);
+  EXPECT_EQ(read.Image(read.material().transmission).channel, 0);
+  EXPECT_EQ(read.Image(read.material().transmission).scale, 0.25f);
+}
+
+TEST(GltfMaterial, BodiesRefract) {
+  const ReadMaterial read =
+      Read({{"pbrMetallicRoughness", {{"metallicFactor", 0}, {"roughnessFactor", 0}}},
+            {"extensions",
+             {{"KHR_materials_transmission", {{"transmissionFactor", 1}}},
+              {"KHR_materials_ior", {{"ior", 1.33}}},
+              {"KHR_materials_volume", {{"thicknessFactor", 1}}}}}});
+  const MixMaterial& mix = read.material<MixMaterial>();
+  EXPECT_FLOAT_EQ(std::get<DielectricMaterial>(read.file.scene.materials[mix.b]).eta, 1.33f);
+  EXPECT_EQ(std::get<MetallicRoughnessMaterial>(read.file.scene.materials[mix.a]).transmission,
+            kNoTexture);
+  EXPECT_TRUE(Warns(read.file, "KHR_materials_volume", "attenuation"));
+}
+
+TEST(GltfMaterial, UnlitEmitsItsColour) {
+  const ReadMaterial read = Read({{"pbrMetallicRoughness", {{"baseColorFactor", {0.5, 1, 0, 1}}}},
+                                  {"extensions", {{"KHR_materials_unlit", Json::object()}}}});
+  EXPECT_EQ(read.Constant(read.material<DiffuseMaterial>().reflectance), Rgb{});
+  ASSERT_TRUE(read.shape().emission);
+  EXPECT_EQ(read.Constant(read.shape().emission->texture), (Rgb{0.5f, 1, 0}));
+  EXPECT_TRUE(Warns(read.file, "materials[0]", "unlit"));
+}
+
+TEST(GltfMaterial, OcclusionIsLeftOutAndSaidSo) {
+  EXPECT_TRUE(Warns(Read({{"occlusionTexture", {{"index", 0}}}}).file,
+                    "materials[0].occlusionTexture", "left out"));
+}
+
+TEST(GltfMaterial, OneSetOfCoordinatesIsLookedUp) {
+  Json material = {
+      {"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}, {"texCoord", 1}}}}},
+      {"emissiveFactor", {1, 1, 1}},
+      {"emissiveTexture", {{"index", 0}}}};
+  GltfFile file = FileOf(material);
+  file.json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_1"] =
+      file.AddFloats({0, 0, 0.5, 0, 0.5, 0.5, 0, 0.5}, "VEC2");
+  const auto read = file.Read();
+  ASSERT_TRUE(read.ok()) << read.status();
+  const std::vector<Vec2f>& uvs = OnlyMesh(*read).uvs;
+  ASSERT_EQ(uvs.size(), 4u);
+  EXPECT_EQ(uvs[2].x, 0.5f);
+  EXPECT_EQ(uvs[1].y, 1);
+  EXPECT_EQ(uvs[2].y, 0.5f);
+  EXPECT_TRUE(Warns(*read, "materials[0].emissiveTexture", "TEXCOORD_0"));
+}
+
+}  // namespace
+}  // namespace strata

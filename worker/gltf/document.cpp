@@ -1,0 +1,218 @@
+#include "worker/gltf/document.h"
+
+#include <absl/strings/match.h>
+#include <absl/strings/str_replace.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <exception>
+#include <filesystem>
+#include <limits>
+#include <utility>
+
+#include "common/bundle.h"
+#include "common/text.h"
+
+namespace strata {
+namespace {
+
+constexpr uint64_t kMaxFileBytes = std::numeric_limits<uint32_t>::max();
+
+/// What is done with an extension that a file uses. Those not listed are not known.
+struct Extension {
+  std::string_view name;
+  bool supported;
+  std::string_view remedy;  ///< For those that are not, if they are required.
+};
+constexpr std::string_view kUncompressed =
+    "its meshes are compressed; write them uncompressed, for example by 'gltf-transform copy'";
+constexpr std::string_view kPlainImages = "its images are KTX2; convert them to PNG or JPEG";
+constexpr std::array kExtensions = {
+    Extension{"EXT_mesh_gpu_instancing", true, ""},
+    Extension{"KHR_lights_punctual", true, ""},
+    Extension{"KHR_materials_clearcoat", true, ""},
+    Extension{"KHR_materials_emissive_strength", true, ""},
+    Extension{"KHR_materials_ior", true, ""},
+    Extension{"KHR_materials_specular", true, ""},
+    Extension{"KHR_materials_transmission", true, ""},
+    Extension{"KHR_materials_unlit", true, ""},
+    Extension{"KHR_materials_volume", true, ""},
+    Extension{"KHR_mesh_quantization", true, ""},
+    Extension{"KHR_texture_transform", true, ""},
+    Extension{"EXT_meshopt_compression", false, kUncompressed},
+    Extension{"KHR_draco_mesh_compression", false, kUncompressed},
+    Extension{"KHR_texture_basisu", false, kPlainImages},
+};
+
+const Extension* FindExtension(std::string_view name) {
+  const auto found = std::find_if(kExtensions.begin(), kExtensions.end(),
+                                  [&](const Extension& e) { return e.name == name; });
+  return found == kExtensions.end() ? nullptr : &*found;
+}
+
+/// tinygltf's words, of which there may be several lines, in one.
+std::string OneSentence(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  absl::StrReplaceAll({{"[json.exception.", ""}, {"parse_error.101] ", ""}}, &text);
+  while (!text.empty() && (text.back() == ' ' || text.back() == '.')) text.pop_back();
+  return text.empty() ? "the file cannot be understood" : text;
+}
+
+/// Brackets open at once. Values are copied by recursion, so there must be an end to it.
+bool NestsTooDeeply(std::string_view json) {
+  constexpr int kMaxDepth = 200;
+  int depth = 0;
+  bool quoted = false;
+  for (size_t i = 0; i < json.size(); ++i) {
+    const char c = json[i];
+    if (quoted) {
+      if (c == '\\') ++i;
+      if (c == '"') quoted = false;
+    } else if (c == '"') {
+      quoted = true;
+    } else if (c == '[' || c == '{') {
+      if (++depth > kMaxDepth) return true;
+    } else if (c == ']' || c == '}') {
+      --depth;
+    }
+  }
+  return false;
+}
+
+/// The JSON of a .glb, as long as its header says (glTF 2.0, 4.4); all of a .gltf.
+std::string_view JsonPart(std::string_view bytes, bool binary) {
+  constexpr size_t kLengthBegin = 12, kJsonBegin = 20;
+  if (!binary || bytes.size() < kJsonBegin) return bytes;
+  uint32_t length = 0;
+  std::memcpy(&length, bytes.data() + kLengthBegin, sizeof length);
+  return bytes.substr(kJsonBegin, length);
+}
+
+/// Keeps the bytes of an embedded image; those in buffers are looked up when they are needed.
+bool KeepImageBytes(tinygltf::Image* image, int, std::string*, std::string*, int, int,
+                    const unsigned char* bytes, int size, void*) {
+  if (image->bufferView < 0) image->image.assign(bytes, bytes + size);
+  image->as_is = true;
+  return true;
+}
+
+/// Lets tinygltf read files of a document. Its own words do not say why a file is out of reach, so
+/// the status is kept.
+struct FileAccess {
+  GltfDocument* document;
+  const FileSource* source;
+  absl::Status status;
+};
+
+bool NameIsFile(const std::string& name, void*) { return !name.empty(); }
+std::string SameName(const std::string& name, void*) { return name; }
+
+bool ReadBuffer(std::vector<unsigned char>* bytes, std::string*, const std::string& name,
+                void* access_pointer) {
+  auto& access = *static_cast<FileAccess*>(access_pointer);
+  const auto read = [&]() -> absl::Status {
+    STRATA_ASSIGN_OR_RETURN(const std::string path, access.document->AddFile(name, "buffers"));
+    STRATA_ASSIGN_OR_RETURN(const std::filesystem::path local, access.source->Locate(path));
+    const absl::StatusOr<std::string> text = ReadWholeFile(local, kMaxFileBytes);
+    if (!text.ok()) return Annotate(text.status(), StrCat("\"", path, "\""));
+    bytes->assign(text->begin(), text->end());
+    return absl::OkStatus();
+  };
+  access.status = read();
+  return access.status.ok();
+}
+
+}  // namespace
+
+std::string ElementName(std::string_view array, int index) {
+  return StrCat(array, "[", index, "]");
+}
+
+GltfDocument::GltfDocument(const FileSource& source, const std::string& scene_path)
+    : source_(source),
+      file_(scene_path),
+      directory_(std::filesystem::path(scene_path).parent_path().generic_string()) {}
+
+absl::StatusOr<GltfDocument> GltfDocument::Load(const FileSource& source,
+                                                const std::string& scene_path) {
+  if (!IsBundlePath(scene_path)) {
+    return absl::InvalidArgumentError(
+        StrCat("the scene \"", scene_path, "\" must be a path relative to its root"));
+  }
+  GltfDocument document(source, scene_path);
+  document.files.insert(scene_path);
+  STRATA_RETURN_IF_ERROR(document.Parse());
+  STRATA_RETURN_IF_ERROR(document.CheckExtensions());
+  return document;
+}
+
+absl::Status GltfDocument::Parse() {
+  STRATA_ASSIGN_OR_RETURN(const std::filesystem::path path, source_.Locate(file_));
+  absl::StatusOr<std::string> bytes = ReadWholeFile(path, kMaxFileBytes);
+  if (!bytes.ok()) return Annotate(bytes.status(), file_);
+  const bool binary = absl::StartsWith(*bytes, "glTF");
+  if (NestsTooDeeply(JsonPart(*bytes, binary)))
+    return Error("", "the JSON is nested more than 200 deep");
+
+  FileAccess access{this, &source_, absl::OkStatus()};
+  tinygltf::TinyGLTF parser;
+  parser.SetImageLoader(KeepImageBytes, nullptr);
+  parser.SetFsCallbacks({NameIsFile, SameName, ReadBuffer, nullptr, &access});
+  std::string error, warning;
+  bool understood = false;
+  // nlohmann's JSON and what tinygltf does with it throw on some malformed files.
+  try {
+    const auto size = static_cast<unsigned int>(bytes->size());
+    understood =
+        binary ? parser.LoadBinaryFromMemory(&model_, &error, &warning,
+                                             reinterpret_cast<const unsigned char*>(bytes->data()),
+                                             size, "")
+               : parser.LoadASCIIFromString(&model_, &error, &warning, bytes->data(), size, "");
+  } catch (const std::exception& e) {
+    error = e.what();
+  }
+  if (!access.status.ok()) return access.status;
+  if (!understood) return Error("", OneSentence(error));
+  if (!absl::StartsWith(model_.asset.version, "2."))
+    return Error("asset.version", StrCat("glTF ", model_.asset.version,
+                                         " is not supported; convert the file to glTF 2.0"));
+  if (!error.empty()) Warn("asset", OneSentence(error));
+  return absl::OkStatus();
+}
+
+absl::Status GltfDocument::CheckExtensions() {
+  for (const std::string& name : model_.extensionsRequired) {
+    const Extension* extension = FindExtension(name);
+    if (extension && extension->supported) continue;
+    return Error("extensionsRequired",
+                 StrCat(name, " is not supported, and the file requires it",
+                        extension ? StrCat(": ", extension->remedy) : "; write it without"));
+  }
+  for (const std::string& name : model_.extensionsUsed) {
+    const Extension* extension = FindExtension(name);
+    if (!extension || !extension->supported)
+      Warn("extensionsUsed", StrCat(name, " is not supported and left out"));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status GltfDocument::Error(const std::string& element, std::string_view text) const {
+  return absl::InvalidArgumentError(element.empty() ? StrCat(file_, ": ", text)
+                                                    : StrCat(file_, ":", element, ": ", text));
+}
+
+absl::StatusOr<std::string> GltfDocument::AddFile(const std::string& uri,
+                                                  const std::string& element) {
+  const std::string where = At(element).ToString();
+  if (uri.find("://") != std::string::npos)
+    return Error(element, StrCat("\"", uri, "\" is on a network; put the file beside the scene"));
+  absl::StatusOr<std::string> path = ResolveBundlePath(directory_, uri);
+  if (!path.ok()) return Annotate(path.status(), where);
+  const absl::Status there = source_.Locate(*path).status();
+  if (!there.ok()) return Annotate(there, where);
+  files.insert(*path);
+  return path;
+}
+
+}  // namespace strata
