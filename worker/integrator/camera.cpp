@@ -11,12 +11,12 @@
 namespace strata {
 namespace {
 
-struct Window {
+struct ScreenRect {
   double x_min, x_max, y_min, y_max;
 };
 
 /// The shorter side spans [-1, 1] unless the file says otherwise.
-Window ScreenWindow(const CameraDescription& camera, int width, int height) {
+ScreenRect ScreenWindow(const CameraDescription& camera, int width, int height) {
   if (camera.screen_window) {
     const std::array<float, 4>& w = *camera.screen_window;
     return {w[0], w[1], w[2], w[3]};
@@ -49,7 +49,7 @@ Vec2f WrapEqualAreaSquare(Vec2f st) {
 
 absl::StatusOr<Camera> Camera::Create(const CameraDescription& description, int width, int height) {
   STRATA_RETURN_IF_ERROR(CheckDescription(description));
-  const Window window = ScreenWindow(description, width, height);
+  const ScreenRect window = ScreenWindow(description, width, height);
   if (!(window.x_min < window.x_max && window.y_min < window.y_max))
     return absl::InvalidArgumentError(
         "camera: the screen window is empty; give x_min < x_max and y_min < y_max");

@@ -11,7 +11,7 @@ namespace {
 /// Cells along each edge of the square.
 constexpr int kMinSize = 64, kMaxSize = 1024;
 /// Looked at in each cell, so that pixels as small as cells are found.
-constexpr int kGrid = 3;
+constexpr int kPointsPerCell = 3;
 /// Of the mean: what the grid does not find keeps a chance.
 constexpr double kLeast = 0.01;
 
@@ -37,7 +37,7 @@ absl::StatusOr<PortalImage> PortalImage::Load(const ImageInfiniteLightDescriptio
                         .height = static_cast<float>(height)};
 
   const int cells = std::clamp(std::max(portal.sky.width, portal.sky.height), kMinSize, kMaxSize);
-  const int points = cells * kGrid;
+  const int points = cells * kPointsPerCell;
   const double area = 1 / (static_cast<double>(points) * points);
   std::vector<float> weights(static_cast<size_t>(cells) * cells, 0.0f);
   double sum[3] = {0, 0, 0}, total = 0;
@@ -49,7 +49,8 @@ absl::StatusOr<PortalImage> PortalImage::Load(const ImageInfiniteLightDescriptio
       const Rgb radiance = Le(ImageEnvironment{&portal.sky}, portal.axes.ToWorld(local));
       const float density = Density(local);
       const float weight = Luminance(radiance) * density;
-      weights[static_cast<size_t>(row / kGrid) * cells + column / kGrid] += weight;
+      weights[static_cast<size_t>(row / kPointsPerCell) * cells + column / kPointsPerCell] +=
+          weight;
       total += weight;
       sum[0] += area * density * local.z * radiance.r;
       sum[1] += area * density * local.z * radiance.g;
