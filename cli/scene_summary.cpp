@@ -36,7 +36,6 @@ std::string NameOf(const MaterialDescription& material) {
                  [](const AshikhminShirleyMaterial&) { return "ashikhminshirley"; },
                  [](const MixMaterial& mix) { return mix.sum ? "mixture" : "mix"; },
                  [](const MetallicRoughnessMaterial&) { return "metallicroughness"; },
-                 [](const MixMaterial&) { return "mix"; },
                  [](const InterfaceMaterial&) { return "interface"; }},
       material);
 }
