@@ -60,32 +60,6 @@ bool Continues(const FlatUv& map, const TriangleEmitter& triangle) {
          near(triangle.p2, triangle.uv2);
 }
 
-FlatUv UvOf(const TriangleEmitter& triangle) {
-  const Vec3d p0 = ToDouble(triangle.p0);
-  const Vec3d edge1 = ToDouble(triangle.p1) - p0, edge2 = ToDouble(triangle.p2) - p0;
-  // The weights of the second and third corner are dual1 . (p - p0) and dual2 . (p - p0).
-  const Vec3d cross = Cross(edge1, edge2);
-  const double scale = 1 / Dot(cross, cross);
-  const Vec3d dual1 = Cross(edge2, cross) * scale, dual2 = Cross(cross, edge1) * scale;
-  const auto gradient = [&](double c0, double c1, double c2) {
-    return ToFloat(dual1 * (c1 - c0) + dual2 * (c2 - c0));
-  };
-  return {triangle.p0, triangle.uv0, gradient(triangle.uv0.x, triangle.uv1.x, triangle.uv2.x),
-          gradient(triangle.uv0.y, triangle.uv1.y, triangle.uv2.y)};
-}
-
-/// Whether the map gives the triangle the (u, v) that it has.
-bool Continues(const FlatUv& map, const TriangleEmitter& triangle) {
-  const auto near = [&](Vec3f p, Vec2f uv) {
-    constexpr float kTolerance = 1e-5f;
-    const Vec2f at = map.At(p);
-    return std::abs(at.x - uv.x) <= kTolerance * std::max(1.0f, std::abs(uv.x)) &&
-           std::abs(at.y - uv.y) <= kTolerance * std::max(1.0f, std::abs(uv.y));
-  };
-  return near(triangle.p0, triangle.uv0) && near(triangle.p1, triangle.uv1) &&
-         near(triangle.p2, triangle.uv2);
-}
-
 /// Distances, in roots of its area, up to which a rectangle is sampled by solid angle: beyond, the
 /// density per area hardly varies, and it costs more than it gains.
 constexpr float kNearDistance = 1;

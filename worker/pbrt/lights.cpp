@@ -230,31 +230,6 @@ absl::StatusOr<double> MeanLuminance(const ImageTexture& image, const ReadContex
   return mean;
 }
 
-/// Of the image's pixels, as emission counts them: pbrt-v4 divides an area light's power by it.
-absl::StatusOr<double> MeanLuminance(const ImageTexture& image, const ReadContext& context) {
-  STRATA_ASSIGN_OR_RETURN(const std::filesystem::path path,
-                          context.Locate(image.path, image.where));
-  const absl::StatusOr<ImageFile> file = ReadImageFile(path);
-  const absl::Status usable = file.ok() ? CheckTexels(*file) : file.status();
-  if (!usable.ok()) return Annotate(usable, StrCat(image.where.ToString(), ": ", image.path));
-  const DecodeTable table = MakeDecodeTable(image.encoding, image.gamma);
-  const ImageTexels texels = ImageTexels::From(*file, image.encoding, image.gamma);
-  double sum = 0;
-  for (int y = 0; y < texels.height; ++y) {
-    for (int x = 0; x < texels.width; ++x) {
-      const Rgb c = texels.At(x, y, table);
-      sum += Luminance({std::max(c.r, 0.0f), std::max(c.g, 0.0f), std::max(c.b, 0.0f)});
-    }
-  }
-  const double mean = sum / (static_cast<double>(texels.width) * texels.height);
-  if (!(mean > 0)) {
-    return ErrorAt(image.where, StrCat("\"", image.path,
-                                       "\" is black, so that no scale gives the "
-                                       "light its \"power\"; leave that out"));
-  }
-  return mean;
-}
-
 }  // namespace
 
 absl::Status ReadLight(const std::string& type, const Transform& world_from_light,
