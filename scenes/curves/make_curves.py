@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes hair.pbrt, a ball's 5,000 hairs, and grass.pbrt, 600 blades, beside this file."""
+"""Writes hair.inc, a ball's 5,000 hairs, and grass.inc, 600 blades, beside this file."""
 import math
 import pathlib
 import random
@@ -19,7 +19,7 @@ def around():
     return r * math.cos(phi), z, r * math.sin(phi)
 
 
-with open(here / "hair.pbrt", "w") as hair:
+with open(here / "hair.inc", "w") as hair:
     hair.write('Attribute "shape" "string type" "cylinder" "float width0" 0.012 "float width1" 0.003\n')
     for _ in range(5000):
         d = around()
@@ -37,7 +37,7 @@ with open(here / "hair.pbrt", "w") as hair:
                            d[2] * r + bend[2] * t))
         hair.write(f'Shape "curve" "point3 P" [ {text(points)} ]\n')
 
-with open(here / "grass.pbrt", "w") as grass:
+with open(here / "grass.inc", "w") as grass:
     grass.write('Attribute "shape" "string type" "ribbon" "integer degree" 2 "float width0" 0.035 '
                 '"float width1" 0.004\n')
     for _ in range(600):

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Draws leaf.png (RGBA: a leaf and what is around it) and fence.png (gray: a wire mesh), and places
-leaves along a branch: branch.pbrt."""
+leaves along a branch: branch.inc."""
 
 import math
 import os
@@ -58,7 +58,7 @@ def branch():
                 + (places.uniform(0.5, 0.75),) * 3
             )
         )
-    with open(os.path.join(HERE, "branch.pbrt"), "w") as file:
+    with open(os.path.join(HERE, "branch.inc"), "w") as file:
         file.writelines(lines)
 
 

@@ -155,6 +155,9 @@ TEST_P(BrokenImage, IsBadInputBeforeAnythingIsSubmitted) {
   }
 }
 
+constexpr const char* kImageUses[] = {"Texture", "Environment", "Projection", "Diagram",
+                                      "AreaLight"};
+
 INSTANTIATE_TEST_SUITE_P(
     All, BrokenImage,
     testing::Values("Texture \"paint\" \"spectrum\" \"imagemap\" \"string filename\" \"image.png\" "
@@ -164,9 +167,7 @@ INSTANTIATE_TEST_SUITE_P(
                     "LightSource \"goniometric\" \"string filename\" \"image.png\"",
                     "AreaLightSource \"diffuse\" \"string filename\" \"image.png\" "
                     "Shape \"sphere\""),
-    [](const auto& info) {
-      return std::array{"Texture", "Environment", "Projection", "Diagram", "AreaLight"}[info.index];
-    });
+    [](const auto& info) { return std::string(kImageUses[info.index]); });
 
 TEST(Check, ABrokenImageIsOneLineWhateverItsReaderSays) {
   const SceneFolder folder;

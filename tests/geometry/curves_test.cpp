@@ -234,7 +234,9 @@ TEST(Curves, RaysLeaveThem) {
           mask = MaskLanes{};
         }
         EXPECT_GT(hits, 3000);
-        EXPECT_LE(again, 2);
+        // A flat curve turns to face every ray: one that leaves along it may meet it anew. Each ray
+        // is traced twice.
+        EXPECT_LE(again, kind == CurveKind::kFlat ? hits / 40 : hits / 1000);
       }
     }
   }

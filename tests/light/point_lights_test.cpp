@@ -212,7 +212,8 @@ GoniometricLightDescription Lamp(const std::string& path) {
 
 TEST(GoniometricLights, ShineAsTheirDiagramSaysWithTheSecondAxisUp) {
   const LightFiles files;
-  constexpr int kSize = 64;
+  constexpr int kSize = 512;  // Look-ups between pixels err by the square of their size, or,
+                              // across the map's folds, by the size itself.
   const auto shape = [](Vec3f d) { return 2 + d.x - 0.5f * d.y + 0.8f * d.z * d.z * d.z; };
   std::vector<Rgb> pixels;
   for (int i = 0; i < kSize * kSize; ++i) {

@@ -132,7 +132,7 @@ TEST(TexturedLamps, GiveTheIrradianceOfTheTexture) {
   TestRandom random(8);
   for (const Vec3f from : {Vec3f{0.3f, 0.2f, 0}, Vec3f{0.3f, 0.2f, 1.2f}}) {
     MeanWithError mean;
-    for (int i = 0; i < 400000; ++i) {
+    for (int i = 0; i < 800000; ++i) {
       const std::optional<LightSample> sample = lights.Sample(0, from, random.Float2());
       mean.Add(sample ? sample->radiance.r * std::max(0.0f, sample->wi.z) / sample->pdf : 0);
     }
