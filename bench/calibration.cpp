@@ -66,8 +66,9 @@ class Bench {
 
   absl::StatusOr<RenderUnit> MakeRenderer(const JobSpec& spec) {
     if (!scene_) return [spec](const WorkUnit& unit) { return NormalPartial(spec, unit); };
-    const auto direct = options_.bsdf_only ? DirectStrategy::kBsdfOnly : DirectStrategy::kMis;
-    STRATA_ASSIGN_OR_RETURN(auto made, Renderer::Create(scene_, spec, direct));
+    JobSpec found = spec;
+    if (options_.bsdf_only) found.strategy = DirectStrategy::kBsdfOnly;
+    STRATA_ASSIGN_OR_RETURN(auto made, Renderer::Create(scene_, found));
     std::shared_ptr<const Renderer> renderer = std::move(made);
     return [renderer, this](const WorkUnit& unit) { return renderer->Render(unit, pool_); };
   }

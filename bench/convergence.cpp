@@ -20,16 +20,6 @@
 namespace strata {
 namespace {
 
-struct Options {
-  std::vector<std::string> scenes;
-  int size = 64;
-  uint32_t min_spp = 16, max_spp = 1024;
-  uint32_t reference_spp = 16384;
-  int seeds = 4;
-  int threads = 2;
-  std::string csv;
-};
-
 struct Method {
   SamplerKind sampler;
   AllocationKind allocation;
@@ -38,14 +28,32 @@ struct Method {
   }
 };
 
-constexpr Method kMethods[] = {
-    {SamplerKind::kIndependent, AllocationKind::kUniform},
-    {SamplerKind::kIndependent, AllocationKind::kRing},
-    {SamplerKind::kIndependent, AllocationKind::kGreedy},
-    {SamplerKind::kSobol, AllocationKind::kUniform},
-    {SamplerKind::kSobol, AllocationKind::kRing},
-    {SamplerKind::kSobol, AllocationKind::kGreedy},
+struct Options {
+  std::vector<std::string> scenes;
+  std::vector<Method> methods;  ///< The first is what efficiencies are measured against.
+  int size = 64;
+  uint32_t min_spp = 16, max_spp = 1024;
+  uint32_t reference_spp = 16384;
+  int seeds = 4;
+  int threads = 2;
+  std::string csv;
 };
+
+/// Each sampler with each allocation that it can have.
+absl::StatusOr<std::vector<Method>> ParseMethods(const std::vector<std::string>& samplers,
+                                                 const std::vector<std::string>& allocations) {
+  std::vector<Method> methods;
+  for (const std::string& sampler : samplers) {
+    for (const std::string& allocation : allocations) {
+      Method method;
+      STRATA_ASSIGN_OR_RETURN(method.sampler, ParseSamplerKind(sampler));
+      STRATA_ASSIGN_OR_RETURN(method.allocation, ParseAllocationKind(allocation));
+      if (ClaimsInterval(method.sampler) || method.allocation == AllocationKind::kUniform)
+        methods.push_back(method);
+    }
+  }
+  return methods;
+}
 
 /// A render, and what rendering alone took: no planning, merging or estimating.
 struct TimedTrial {
@@ -166,18 +174,19 @@ Point PointOf(uint32_t spp, const Seeds& seeds) {
 absl::StatusOr<std::vector<Curve>> Measure(const SceneBench& scene, const Trial& reference,
                                            double own_error, const Options& options,
                                            RenderPool& pool) {
-  std::vector<Curve> curves(std::size(kMethods));
+  const std::vector<Method>& methods = options.methods;
+  std::vector<Curve> curves(methods.size());
   for (uint32_t spp = options.min_spp; spp <= options.max_spp; spp *= 2) {
-    std::vector<Seeds> seeds(std::size(kMethods));
+    std::vector<Seeds> seeds(methods.size());
     for (int i = 0; i < options.seeds; ++i) {
-      for (size_t m = 0; m < std::size(kMethods); ++m) {
-        if (kMethods[m].allocation != AllocationKind::kUniform && spp < 64) continue;
+      for (size_t m = 0; m < methods.size(); ++m) {
+        if (methods[m].allocation != AllocationKind::kUniform && spp < 64) continue;
         STRATA_ASSIGN_OR_RETURN(const TimedTrial timed,
-                                scene.Render(kMethods[m], spp, static_cast<uint64_t>(i) + 1, pool));
+                                scene.Render(methods[m], spp, static_cast<uint64_t>(i) + 1, pool));
         seeds[m].Add(timed, reference, own_error);
       }
     }
-    for (size_t m = 0; m < std::size(kMethods); ++m) {
+    for (size_t m = 0; m < methods.size(); ++m) {
       if (!seeds[m].relmse.empty()) curves[m].push_back(PointOf(spp, seeds[m]));
     }
   }
@@ -193,20 +202,21 @@ PowerLaw FitOver(double Point::*abscissa, const Curve& curve) {
   return FitPowerLaw(x, y);
 }
 
-void Print(const std::string& scene, const std::vector<Curve>& curves, std::ofstream& csv) {
+void Print(const std::string& scene, const std::vector<Method>& methods,
+           const std::vector<Curve>& curves, std::ofstream& csv) {
   const Point& baseline = curves.front().back();
   for (size_t m = 0; m < curves.size(); ++m) {
     const Curve& curve = curves[m];
     const Point& last = curve.back();
     const PowerLaw by_samples = FitOver(&Point::samples, curve);
     const PowerLaw by_seconds = FitOver(&Point::seconds, curve);
-    std::printf("%-24s %-20s %6.1f %10.3e +- %2.0f %% %7.2f %6.2f +- %.2f %6.2f +- %.2f %8.2f\n",
-                scene.c_str(), kMethods[m].Name().c_str(), last.samples, last.relmse.mean,
+    std::printf("%-24s %-23s %6.1f %10.3e +- %2.0f %% %7.2f %6.2f +- %.2f %6.2f +- %.2f %8.2f\n",
+                scene.c_str(), methods[m].Name().c_str(), last.samples, last.relmse.mean,
                 100 * last.relmse.error / last.relmse.mean, last.seconds, by_samples.slope,
                 by_samples.error, by_seconds.slope, by_seconds.error,
                 last.Efficiency() / baseline.Efficiency());
     for (const Point& p : curve) {
-      csv << scene << ',' << kMethods[m].Name() << ',' << p.spp << ',' << p.samples << ','
+      csv << scene << ',' << methods[m].Name() << ',' << p.spp << ',' << p.samples << ','
           << p.relmse.mean << ',' << p.relmse.error << ',' << p.seconds << ',' << p.rays << ','
           << p.Efficiency() << std::endl;
     }
@@ -230,7 +240,7 @@ absl::Status Run(const Options& options) {
       "%dx%d, %d threads, %d seeds, references of %u spp; at the last point: samples, "
       "relMSE, seconds, and efficiency over the first line's\n",
       options.size, options.size, options.threads, options.seeds, options.reference_spp);
-  std::printf("%-24s %-20s %6s %18s %6s %15s %15s %10s\n", "scene", "sampler,allocation", "spp",
+  std::printf("%-24s %-23s %6s %18s %6s %15s %15s %10s\n", "scene", "sampler,allocation", "spp",
               "relMSE", "s", "slope (spp)", "slope (s)", "efficiency");
   for (const std::string& path : options.scenes) {
     STRATA_ASSIGN_OR_RETURN(const SceneBench scene, SceneBench::Load(path, options));
@@ -239,11 +249,11 @@ absl::Status Run(const Options& options) {
                             scene.Render({SamplerKind::kSobol, AllocationKind::kUniform},
                                          options.reference_spp, 0, pool));
     const double own_error = OwnRelativeError(reference.trial);
-    std::printf("%-24s %-20s %6u %10.3e %14.2f\n", scene.name().c_str(), "reference, subtracted",
+    std::printf("%-24s %-23s %6u %10.3e %14.2f\n", scene.name().c_str(), "reference, subtracted",
                 options.reference_spp, own_error, reference.seconds);
     STRATA_ASSIGN_OR_RETURN(const std::vector<Curve> curves,
                             Measure(scene, reference.trial, own_error, options, pool));
-    Print(scene.name(), curves, csv);
+    Print(scene.name(), options.methods, curves, csv);
   }
   return absl::OkStatus();
 }
@@ -257,11 +267,21 @@ int Main(int argc, char** argv) {
   app.add_option("--min-spp", options.min_spp, "first point; doubled from point to point");
   app.add_option("--max-spp", options.max_spp, "last point");
   app.add_option("--reference-spp", options.reference_spp, "Sobol' samples of the reference");
+  std::vector<std::string> samplers = {"independent", "sobol"};
+  std::vector<std::string> allocations = {"uniform", "ring", "greedy"};
+  app.add_option("--samplers", samplers, "names; the first is the baseline")->delimiter(',');
+  app.add_option("--allocations", allocations, "of each sampler")->delimiter(',');
   app.add_option("--seeds", options.seeds, "renders of each point")->check(CLI::Range(2, 1000));
   app.add_option("--threads", options.threads)->check(CLI::Range(1, 1024));
   app.add_option("--csv", options.csv, "file to write all points to");
   CLI11_PARSE(app, argc, argv);
-  const absl::Status status = Run(options);
+  absl::Status status;
+  if (auto methods = ParseMethods(samplers, allocations); methods.ok()) {
+    options.methods = *std::move(methods);
+    status = Run(options);
+  } else {
+    status = methods.status();
+  }
   if (status.ok()) return 0;
   std::fprintf(stderr, "%s\n", status.ToString().c_str());
   return 2;

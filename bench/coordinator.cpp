@@ -119,7 +119,7 @@ class GrayEngine final : public RenderEngine {
  public:
   GrayEngine(double unit_ms, Gaps& gaps) : unit_ms_(unit_ms), gaps_(gaps) {}
   absl::StatusOr<std::shared_ptr<const LoadedScene>> Load(const FileSource&,
-                                                          const std::string&) override {
+                                                          const Bundle&) override {
     return std::make_shared<const LoadedScene>();
   }
   absl::StatusOr<std::unique_ptr<UnitRenderer>> Prepare(std::shared_ptr<const LoadedScene>,

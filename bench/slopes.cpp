@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "bench/slopes_fit.h"
+#include "worker/sampling/pattern_sampler.h"
 #include "worker/sampling/sampler.h"
 
 namespace strata {
@@ -49,7 +50,7 @@ struct Curve {
 std::vector<Curve> Curves() {
   constexpr auto kSobol = SamplerKind::kSobol, kIndependent = SamplerKind::kIndependent;
   constexpr auto kLength = Growth::kBySamples, kNumber = Growth::kByReplicates;
-  return {
+  std::vector<Curve> curves = {
       {"smooth 2-D", Smooth, kIndependent, kLength, -1.03, -0.97},
       {"slanted edge 2-D", SlantedEdge, kIndependent, kLength, -1.03, -0.97},
       {"slanted edge 2-D", SlantedEdge, kSobol, kLength, -1.6, -1.4},
@@ -60,6 +61,20 @@ std::vector<Curve> Curves() {
       {"straight edge", StraightEdge, kSobol, kLength, NAN, NAN},
       {"smooth 2 x 2-D", SmoothOverPairs, kSobol, kLength, NAN, NAN},
   };
+  // Those of blocks of 16 are as good as their blocks, however many. The bare Halton sequence has
+  // no variance.
+  for (const SamplerKind sampler :
+       {SamplerKind::kHalton, SamplerKind::kStratified, SamplerKind::kLatinHypercube,
+        SamplerKind::kPoissonDisk, SamplerKind::kDrand48}) {
+    const bool no_blocks = sampler == SamplerKind::kHalton || sampler == SamplerKind::kDrand48;
+    const double most = sampler == SamplerKind::kHalton ? NAN : -0.97;
+    curves.push_back({"smooth 2-D", Smooth, sampler, no_blocks ? kLength : kNumber, -1.03, most});
+    curves.push_back(
+        {"slanted edge 2-D", SlantedEdge, sampler, no_blocks ? kLength : kNumber, -1.03, most});
+    curves.push_back(
+        {"smooth 2 x 2-D", SmoothOverPairs, sampler, no_blocks ? kLength : kNumber, -1.03, most});
+  }
+  return curves;
 }
 
 /// An estimate's samples, and the variance of many such estimates.
@@ -99,9 +114,11 @@ double VarianceOfEstimates(Integrand function, SampleKey key, uint32_t length, u
 
 std::vector<Point> Measure(const Curve& curve, SampleKey key, uint32_t repetitions) {
   const bool samples_grow = curve.growth == Growth::kBySamples;
-  const auto variance = curve.sampler == SamplerKind::kSobol
-                            ? VarianceOfEstimates<SobolSampler>
-                            : VarianceOfEstimates<IndependentSampler>;
+  const auto variance = curve.sampler == SamplerKind::kSobol ? VarianceOfEstimates<SobolSampler>
+                        : curve.sampler == SamplerKind::kIndependent
+                            ? VarianceOfEstimates<IndependentSampler>
+                            : VarianceOfEstimates<PatternSampler>;
+  key.kind = curve.sampler;
   std::vector<Point> points;
   for (uint32_t samples = samples_grow ? 4 : kFixedLength; samples <= 4096; samples *= 2) {
     const uint32_t length = samples_grow ? samples : kFixedLength;
@@ -160,7 +177,7 @@ int Main(int argc, char** argv) {
   }
   csv << "integrand,sampler,growing,samples,variance\n";
   std::printf("%u repetitions of each point\n", repetitions);
-  std::printf("%-17s %-12s %-11s %12s %12s %16s  %s\n", "integrand", "sampler", "growing",
+  std::printf("%-17s %-15s %-11s %12s %12s %16s  %s\n", "integrand", "sampler", "growing",
               "var. of 16", "of 4096", "slope", "asked");
   uint32_t number = 0;
   for (const Curve& curve : Curves()) {
@@ -169,7 +186,7 @@ int Main(int argc, char** argv) {
     const PowerLaw law = Fit(points);
     const std::string sampler(ToString(curve.sampler)), growing(ToString(curve.growth));
     const size_t at_16 = curve.growth == Growth::kBySamples ? 2 : 0;
-    std::printf("%-17s %-12s %-11s %12.3e %12.3e %7.3f +- %.3f  %-14s %s\n",
+    std::printf("%-17s %-15s %-11s %12.3e %12.3e %7.3f +- %.3f  %-14s %s\n",
                 curve.integrand.c_str(), sampler.c_str(), growing.c_str(), points[at_16].variance,
                 points.back().variance, law.slope, law.error, Asked(curve).c_str(),
                 Verdict(curve, law.slope));

@@ -1,5 +1,5 @@
-// What each technique of light sampling is worth: variance, time and efficiency of whole frames
-// with it and without it.
+// What techniques are worth: variance, cost and efficiency of whole frames with each technique of
+// light sampling and without it, by each strategy, and by each kind of roulette.
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -27,10 +27,35 @@ struct Options {
 struct Technique {
   const char* name;
   LightOptions lights;
+  DirectStrategy strategy = DirectStrategy::kMis;
+  RouletteKind roulette = RouletteKind::kThroughput;
 };
 
-const std::vector<Technique>& Techniques() {
-  static const std::vector<Technique> techniques = {
+/// The first is what is shipped.
+using Table = std::vector<Technique>;
+
+const Table& Strategies() {
+  static const Table strategies = {
+      {"mis", {}},
+      {"light", {}, DirectStrategy::kLightOnly},
+      {"bsdf", {}, DirectStrategy::kBsdfOnly},
+      {"cosine", {}, DirectStrategy::kCosine},
+      {"uniform", {}, DirectStrategy::kUniform},
+  };
+  return strategies;
+}
+
+const Table& Roulettes() {
+  static const Table roulettes = {
+      {"roulette by throughput", {}},
+      {"off", {}, DirectStrategy::kMis, RouletteKind::kOff},
+      {"by efficiency", {}, DirectStrategy::kMis, RouletteKind::kEfficiency},
+  };
+  return roulettes;
+}
+
+const Table& LightTechniques() {
+  static const Table techniques = {
       {"as shipped", {}},
       {"lights chosen by intensity", {.selection = LightSelection::kIntensity}},
       {"lights chosen uniformly", {.selection = LightSelection::kUniform}},
@@ -127,12 +152,14 @@ class Frames {
 
 struct Row {
   double relmse = 0, seconds = 0;
+  double rays = 0;  ///< For each sample.
 };
 
-absl::StatusOr<std::vector<Row>> Measure(const std::string& path, const Options& options) {
+absl::StatusOr<std::vector<Row>> Measure(const std::string& path, const Table& table,
+                                         const Options& options) {
   RenderPool pool(options.threads);
   std::vector<std::shared_ptr<const Scene>> scenes;
-  for (const Technique& technique : Techniques()) {
+  for (const Technique& technique : table) {
     STRATA_ASSIGN_OR_RETURN(const auto scene, LoadWith(path, technique.lights));
     scenes.push_back(scene);
   }
@@ -144,10 +171,13 @@ absl::StatusOr<std::vector<Row>> Measure(const std::string& path, const Options&
   spec.spp = options.spp;
   spec.max_depth = scenes[0]->defaults().max_depth;
   std::vector<Frames> frames(scenes.size());
+  std::vector<double> rays(scenes.size());
   std::vector<std::vector<double>> seconds(scenes.size());
   for (int seed = 1; seed <= options.seeds; ++seed) {
     for (size_t i = 0; i < scenes.size(); ++i) {  // Side by side, so that noise is shared.
       spec.seed = static_cast<uint64_t>(seed);
+      spec.strategy = table[i].strategy;
+      spec.roulette = table[i].roulette;
       STRATA_ASSIGN_OR_RETURN(const auto renderer, Renderer::Create(scenes[i], spec));
       const auto start = std::chrono::steady_clock::now();
       STRATA_ASSIGN_OR_RETURN(
@@ -156,39 +186,49 @@ absl::StatusOr<std::vector<Row>> Measure(const std::string& path, const Options&
       seconds[i].push_back(
           std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
       frames[i].Add(partial);
+      for (const uint64_t n : partial.rays) rays[i] += static_cast<double>(n);
     }
   }
   std::vector<Row> rows;
   for (size_t i = 0; i < scenes.size(); ++i) {
     std::sort(seconds[i].begin(), seconds[i].end());
-    rows.push_back({frames[i].RelativeVariance(), seconds[i][seconds[i].size() / 2]});
+    const double samples = static_cast<double>(spec.crop.Pixels()) * options.spp * options.seeds;
+    rows.push_back(
+        {frames[i].RelativeVariance(), seconds[i][seconds[i].size() / 2], rays[i] / samples});
   }
   return rows;
 }
 
 int Main(int argc, char** argv) {
-  CLI::App app("Techniques turned off one by one: variance, time, efficiency");
+  CLI::App app("Techniques one by one: variance, cost, efficiency");
   std::vector<std::string> scenes;
   Options options;
   app.add_option("scenes", scenes, "pbrt files, or \"many-lights\": 10,000 of them")->required();
+  std::string table_name = "lights";
+  app.add_option("--table", table_name, "what is compared")
+      ->check(CLI::IsMember({"lights", "strategies", "roulette"}));
   app.add_option("--size", options.size, "edge of the square frame in pixels");
   app.add_option("--spp", options.spp, "samples per pixel, a multiple of 8");
   app.add_option("--seeds", options.seeds)->check(CLI::Range(2, 1 << 20));
   app.add_option("--threads", options.threads);
   CLI11_PARSE(app, argc, argv);
+  const Table& table = table_name == "strategies" ? Strategies()
+                       : table_name == "roulette" ? Roulettes()
+                                                  : LightTechniques();
   for (const std::string& path : scenes) {
-    const auto rows = Measure(path, options);
+    const auto rows = Measure(path, table, options);
     if (!rows.ok()) {
       std::fprintf(stderr, "%s\n", rows.status().ToString().c_str());
       return 2;
     }
-    std::printf("%s\n  %-28s %12s %10s %12s\n", path.c_str(), "", "relMSE", "seconds",
-                "efficiency");
+    std::printf("%s\n  %-28s %12s %10s %12s %12s %12s\n", path.c_str(), "", "relMSE", "seconds",
+                "efficiency", "rays/sample", "eff. by rays");
     const Row& shipped = rows->front();
     for (size_t i = 0; i < rows->size(); ++i) {
       const Row& row = (*rows)[i];
-      std::printf("  %-28s %12.5g %10.4f %12.3f\n", Techniques()[i].name, row.relmse, row.seconds,
-                  shipped.relmse * shipped.seconds / (row.relmse * row.seconds));
+      std::printf("  %-28s %12.5g %10.4f %12.3f %12.2f %12.3f\n", table[i].name, row.relmse,
+                  row.seconds, shipped.relmse * shipped.seconds / (row.relmse * row.seconds),
+                  row.rays, shipped.relmse * shipped.rays / (row.relmse * row.rays));
     }
     std::fflush(stdout);
   }

@@ -13,6 +13,11 @@ std::string Dump(const Json& json) {
 /// Null where an estimate is not known.
 Json KnownJson(double estimate) { return estimate < 0 ? Json(nullptr) : Json(estimate); }
 
+/// Null where no interval is claimed.
+Json RelErrorJson(const JobStatus& status) {
+  return ClaimsInterval(status.spec.sampler) ? Json(status.rel_error) : Json(nullptr);
+}
+
 /// Null for a job without a target.
 Json TargetJson(const JobSpec& spec) {
   if (spec.target == TargetKind::kSamples) return nullptr;
@@ -39,7 +44,7 @@ Json JobJson(const JobStatus& status) {
           {"fraction", status.fraction},
           {"samples", status.samples},
           {"spp_mean", status.spp_mean},
-          {"rel_error", status.rel_error},
+          {"rel_error", RelErrorJson(status)},
           {"flagged", status.flagged},
           {"nonfinite", status.nonfinite},
           {"samples_per_s", status.samples_per_second},
@@ -60,7 +65,7 @@ std::string ProgressEvent(const JobStatus& status) {
                {"job", status.id},
                {"fraction", status.fraction},
                {"spp_mean", status.spp_mean},
-               {"rel_error", status.rel_error},
+               {"rel_error", RelErrorJson(status)},
                {"eta_s", KnownJson(status.eta_s)},
                {"eta_low_s", KnownJson(status.eta_low_s)},
                {"eta_high_s", KnownJson(status.eta_high_s)},
@@ -84,7 +89,7 @@ std::string DoneEvent(const JobStatus& status) {
                {"spp_mean", status.spp_mean},
                {"rays", status.rays},
                {"mean_rgb", MeanJson(status)},
-               {"rel_error", status.rel_error},
+               {"rel_error", RelErrorJson(status)},
                {"target_met", TargetMet(status)},
                {"target_share", status.target_share},
                {"rounds", status.rounds},

@@ -63,11 +63,32 @@ absl::Status ResolveTarget(const JobOptions& options, JobSpec* spec) {
     spec->target = TargetKind::kTime;
     STRATA_ASSIGN_OR_RETURN(spec->target_value, ParseTime(*options.time));
   }
-  spec->allocation = AllocationKind::kRing;
+  spec->allocation =
+      ClaimsInterval(spec->sampler) ? AllocationKind::kRing : AllocationKind::kUniform;
   if (!options.allocation) return absl::OkStatus();
   const absl::StatusOr<AllocationKind> kind = ParseAllocationKind(*options.allocation);
   if (!kind.ok()) return Annotate(kind.status(), "--allocation");
   spec->allocation = *kind;
+  return absl::OkStatus();
+}
+
+/// Samplers that claim no interval have no error to aim at, nor to spread samples by.
+absl::Status CheckInterval(const JobOptions& options, const JobSpec& spec,
+                           std::vector<std::string>* notes) {
+  if (ClaimsInterval(spec.sampler)) return absl::OkStatus();
+  const std::string sampler = absl::StrCat("--sampler ", std::string(ToString(spec.sampler)));
+  if (options.error || options.rmse) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        options.error ? "--error: " : "--rmse: ", sampler,
+        " claims no interval, since its replicates are not independent; give another sampler, or "
+        "--spp alone"));
+  }
+  if (spec.allocation != AllocationKind::kUniform) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "--allocation: ", sampler,
+        " claims no interval to spread samples by; give --allocation uniform, or leave it out"));
+  }
+  notes->push_back(sampler + " claims no interval: its replicates are not independent");
   return absl::OkStatus();
 }
 
@@ -147,7 +168,14 @@ void AddJobOptions(CLI::App* command, JobOptions& options) {
   add("--resolution", options.resolution, "Size of the full frame in pixels", "WxH");
   add("--crop", options.crop, "Render these pixels alone; x1 and y1 excluded", "x0,y0,x1,y1");
   add("--max-depth", options.max_depth, "Most bounces of a path", "D");
-  add("--sampler", options.sampler, "sobol or independent", "NAME");
+  add("--sampler", options.sampler,
+      "sobol, independent, halton, stratified, latin_hypercube, poisson_disk; halton_plain and "
+      "drand48 claim no interval",
+      "NAME");
+  add("--strategy", options.strategy,
+      "How paths find light: mis (default), light, bsdf, cosine or uniform; to compare", "NAME");
+  add("--roulette", options.roulette,
+      "What ends paths early: throughput (default), efficiency, or off", "NAME");
   add("--kernel", options.kernel, "fast (default), or reference: plain code, to compare with",
       "NAME");
   add("--env", options.environment,
@@ -237,7 +265,14 @@ absl::StatusOr<JobSpec> ResolveJobSpec(const JobOptions& options, const FrameDef
   STRATA_RETURN_IF_ERROR(CheckNothingMissing(options));
   JobSpec spec;
   STRATA_RETURN_IF_ERROR(ResolveFrame(options, defaults, &spec));
+  spec.sampler = defaults.sampler;
+  if (options.sampler) {
+    const absl::StatusOr<SamplerKind> kind = ParseSamplerKind(*options.sampler);
+    if (!kind.ok()) return Annotate(kind.status(), "--sampler");
+    spec.sampler = *kind;
+  }
   STRATA_RETURN_IF_ERROR(ResolveTarget(options, &spec));
+  STRATA_RETURN_IF_ERROR(CheckInterval(options, spec, notes));
   if (spec.allocation == AllocationKind::kGreedy) {
     notes->push_back("--allocation greedy makes a biased image, for comparison only");
   }
@@ -247,11 +282,15 @@ absl::StatusOr<JobSpec> ResolveJobSpec(const JobOptions& options, const FrameDef
   spec.name = options.name.value_or(DefaultName(fs::absolute(options.scene)));
   spec.priority = options.priority.value_or(spec.priority);
   spec.max_depth = options.max_depth.value_or(defaults.max_depth);
-  spec.sampler = defaults.sampler;
-  if (options.sampler) {
-    const absl::StatusOr<SamplerKind> kind = ParseSamplerKind(*options.sampler);
-    if (!kind.ok()) return Annotate(kind.status(), "--sampler");
-    spec.sampler = *kind;
+  if (options.strategy) {
+    const absl::StatusOr<DirectStrategy> strategy = ParseDirectStrategy(*options.strategy);
+    if (!strategy.ok()) return Annotate(strategy.status(), "--strategy");
+    spec.strategy = *strategy;
+  }
+  if (options.roulette) {
+    const absl::StatusOr<RouletteKind> kind = ParseRouletteKind(*options.roulette);
+    if (!kind.ok()) return Annotate(kind.status(), "--roulette");
+    spec.roulette = *kind;
   }
   if (options.kernel) {
     const absl::StatusOr<KernelKind> kind = ParseKernelKind(*options.kernel);

@@ -21,7 +21,7 @@ struct JobOptions {
   std::optional<uint64_t> spp;
   std::optional<std::string> resolution, crop;
   std::optional<int> max_depth;
-  std::optional<std::string> sampler, kernel, filter;
+  std::optional<std::string> sampler, strategy, roulette, kernel, filter;
   std::optional<int> tile;
   std::optional<uint64_t> seed;
   std::optional<uint32_t> frame;

@@ -100,9 +100,14 @@ std::vector<std::string> ReportLines(const JobStatus& status,
     lines.push_back(absl::StrFormat("99 %% of pixels are within ±%s (95 %% confidence)",
                                     FormatPercent(status.rel_error)));
   }
-  if (!status.worst_tiles.empty()) lines.push_back(WorstTiles(status));
+  const bool claims_interval = ClaimsInterval(status.spec.sampler);
+  if (!status.worst_tiles.empty() && claims_interval) lines.push_back(WorstTiles(status));
   if (const std::string target = TargetLine(status); !target.empty()) lines.push_back(target);
-  if (status.flagged > 0) {
+  if (!claims_interval) {
+    lines.push_back(absl::StrFormat(
+        "no interval is claimed: the replicates of %s are not independent of each other",
+        std::string(ToString(status.spec.sampler))));
+  } else if (status.flagged > 0) {
     lines.push_back(absl::StrFormat("%s of pixels are flagged: their interval may be too narrow",
                                     FormatPercent(status.flagged)));
   }

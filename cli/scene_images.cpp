@@ -4,25 +4,25 @@
 #include <unistd.h>
 
 #include <map>
+#include <optional>
 #include <string>
 #include <variant>
 
 #include "common/image_file.h"
 #include "worker/geometry/image_texels.h"
-#include "worker/light/environment.h"
+#include "worker/light/light_files.h"
 
 namespace strata {
 namespace {
 
-/// Where an image is named, and the texture that uses it: what an environment may hold is checked
-/// with its light.
+/// Where an image is named, and the texture that uses it: what a light's may hold is checked with
+/// the light.
 using Images = std::map<std::string, const ImageTexture*>;
 
 Images ImagesOf(const SceneDescription& scene) {
   Images images;
   for (const LightDescription& light : scene.lights) {
-    const auto* image = std::get_if<ImageInfiniteLightDescription>(&light.light);
-    if (image != nullptr) images[image->path] = nullptr;
+    if (const std::optional<std::string> path = LightImagePath(light)) images[*path] = nullptr;
   }
   for (const TextureDescription& texture : scene.textures) {
     if (const auto* image = std::get_if<ImageTexture>(&texture)) images[image->path] = image;
@@ -68,16 +68,14 @@ absl::Status CheckImages(const LoadedScene& loaded) {
       return absl::InvalidArgumentError(absl::StrCat(embedded ? loaded.path.Located(what) : what,
                                                      "; replace it with a whole image"));
     }
-    const absl::Status usable = texture ? CheckTexels(*file) : absl::OkStatus();
+    const absl::Status usable = texture ? CheckTexels(*file, false) : absl::OkStatus();
     if (!usable.ok()) {
       return absl::InvalidArgumentError(
           absl::StrCat(path.string(), ": ", usable.message(), "; mend or replace it"));
     }
   }
   for (const LightDescription& light : scene.lights) {
-    const auto* image = std::get_if<ImageInfiniteLightDescription>(&light.light);
-    if (image == nullptr) continue;
-    const absl::Status fits = EnvironmentImage::Load(*image, source, false).status();
+    const absl::Status fits = CheckLightFile(light, source);
     if (!fits.ok()) {
       return absl::InvalidArgumentError(
           loaded.path.Located(absl::StrCat(light.where.ToString(), ": ", fits.message())));

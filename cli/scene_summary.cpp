@@ -32,8 +32,10 @@ std::string NameOf(const MaterialDescription& material) {
                  [](const CoatedDiffuseMaterial&) { return "coateddiffuse"; },
                  [](const CoatedConductorMaterial&) { return "coatedconductor"; },
                  [](const DiffuseTransmissionMaterial&) { return "diffusetransmission"; },
+                 [](const BlinnMaterial&) { return "blinn"; },
+                 [](const AshikhminShirleyMaterial&) { return "ashikhminshirley"; },
+                 [](const MixMaterial& mix) { return mix.sum ? "mixture" : "mix"; },
                  [](const MetallicRoughnessMaterial&) { return "metallicroughness"; },
-                 [](const MixMaterial&) { return "mix"; },
                  [](const InterfaceMaterial&) { return "interface"; }},
       material);
 }
@@ -43,13 +45,17 @@ std::string NameOf(const ShapeGeometry& shape) {
                                [](const SphereShape&) { return "sphere"; },
                                [](const DiskShape&) { return "disk"; },
                                [](const CylinderShape&) { return "cylinder"; },
-                               [](const BilinearPatchShape&) { return "bilinearmesh"; }},
+                               [](const BilinearPatchShape&) { return "bilinearmesh"; },
+                               [](const CurveShape&) { return "curve"; }},
                     shape);
 }
 
 std::string NameOf(const LightDescription& light) {
   return std::visit(
       Overloaded{[](const PointLightDescription&) { return "point"; },
+                 [](const SpotLightDescription&) { return "spot"; },
+                 [](const ProjectionLightDescription&) { return "projection"; },
+                 [](const GoniometricLightDescription&) { return "goniometric"; },
                  [](const DistantLightDescription&) { return "distant"; },
                  [](const ConstantInfiniteLightDescription&) { return "infinite"; },
                  [](const ImageInfiniteLightDescription&) { return "infinite image"; }},

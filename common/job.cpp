@@ -15,9 +15,27 @@ constexpr int kMaxFrameEdge = 65536;
 constexpr size_t kMaxNameBytes = 256;
 constexpr double kMaxFilterRadius = 64;
 
-constexpr std::array<std::pair<SamplerKind, std::string_view>, 2> kSamplerNames = {{
+constexpr std::array<std::pair<SamplerKind, std::string_view>, 8> kSamplerNames = {{
     {SamplerKind::kSobol, "sobol"},
     {SamplerKind::kIndependent, "independent"},
+    {SamplerKind::kHalton, "halton"},
+    {SamplerKind::kHaltonPlain, "halton_plain"},
+    {SamplerKind::kStratified, "stratified"},
+    {SamplerKind::kLatinHypercube, "latin_hypercube"},
+    {SamplerKind::kPoissonDisk, "poisson_disk"},
+    {SamplerKind::kDrand48, "drand48"},
+}};
+constexpr std::array<std::pair<DirectStrategy, std::string_view>, 5> kStrategyNames = {{
+    {DirectStrategy::kMis, "mis"},
+    {DirectStrategy::kLightOnly, "light"},
+    {DirectStrategy::kBsdfOnly, "bsdf"},
+    {DirectStrategy::kCosine, "cosine"},
+    {DirectStrategy::kUniform, "uniform"},
+}};
+constexpr std::array<std::pair<RouletteKind, std::string_view>, 3> kRouletteNames = {{
+    {RouletteKind::kThroughput, "throughput"},
+    {RouletteKind::kOff, "off"},
+    {RouletteKind::kEfficiency, "efficiency"},
 }};
 constexpr std::array<std::pair<KernelKind, std::string_view>, 2> kKernelNames = {{
     {KernelKind::kFast, "fast"},
@@ -95,11 +113,26 @@ absl::Status ValidateCrop(const JobSpec& spec) {
   return absl::OkStatus();
 }
 
+/// For samplers whose samples do not tell their error.
+absl::Status CheckNeedsNoError(const JobSpec& spec) {
+  const std::string why =
+      fmt::format("{} claims no interval, since its replicates are not independent; ",
+                  NameOf(kSamplerNames, spec.sampler));
+  if (spec.target == TargetKind::kRelativeError || spec.target == TargetKind::kRmse) {
+    return Bad("sampler", why + "an error target needs another sampler, such as sobol");
+  }
+  if (spec.allocation != AllocationKind::kUniform) {
+    return Bad("sampler", why + "choose allocation uniform, or another sampler");
+  }
+  return absl::OkStatus();
+}
+
 absl::Status ValidateTarget(const JobSpec& spec) {
   if (NameOf(kAllocationNames, spec.allocation) == "unknown") {
     return Bad("allocation", "is not known");
   }
   if (NameOf(kTargetNames, spec.target) == "unknown") return Bad("target", "is not known");
+  if (!ClaimsInterval(spec.sampler)) STRATA_RETURN_IF_ERROR(CheckNeedsNoError(spec));
   if (spec.target == TargetKind::kSamples) return absl::OkStatus();
   if (spec.allocation == AllocationKind::kGreedy) {
     return Bad("allocation", "greedy is biased and has no target; choose ring or uniform");
@@ -129,6 +162,8 @@ absl::Status ValidateJobSpec(const JobSpec& spec) {
   STRATA_RETURN_IF_ERROR(ValidateCrop(spec));
   STRATA_RETURN_IF_ERROR(CheckRange("max_depth", spec.max_depth, 0, 100000));
   if (NameOf(kSamplerNames, spec.sampler) == "unknown") return Bad("sampler", "is not known");
+  if (NameOf(kStrategyNames, spec.strategy) == "unknown") return Bad("strategy", "is not known");
+  if (NameOf(kRouletteNames, spec.roulette) == "unknown") return Bad("roulette", "is not known");
   if (NameOf(kKernelNames, spec.kernel) == "unknown") return Bad("kernel", "is not known");
   STRATA_RETURN_IF_ERROR(ValidateFilter(spec.filter));
   if (spec.spp == 0 || spec.spp % kReplicates != 0) {
@@ -137,6 +172,10 @@ absl::Status ValidateJobSpec(const JobSpec& spec) {
   STRATA_RETURN_IF_ERROR(CheckRange("spp", spec.spp, 1, kMaxSpp));
   STRATA_RETURN_IF_ERROR(ValidateTarget(spec));
   return CheckRange("tile", spec.tile, 8, 1024);
+}
+
+bool ClaimsInterval(SamplerKind kind) {
+  return kind != SamplerKind::kHaltonPlain && kind != SamplerKind::kDrand48;
 }
 
 PixelLayout LayoutOf(const JobSpec& spec) {
@@ -155,6 +194,8 @@ std::vector<std::string> PlainChannelNames(const ExtraChannels& channels) {
 }
 
 std::string_view ToString(SamplerKind kind) { return NameOf(kSamplerNames, kind); }
+std::string_view ToString(DirectStrategy strategy) { return NameOf(kStrategyNames, strategy); }
+std::string_view ToString(RouletteKind kind) { return NameOf(kRouletteNames, kind); }
 std::string_view ToString(KernelKind kind) { return NameOf(kKernelNames, kind); }
 std::string_view ToString(AllocationKind kind) { return NameOf(kAllocationNames, kind); }
 std::string_view ToString(TargetKind kind) { return NameOf(kTargetNames, kind); }
@@ -162,6 +203,12 @@ std::string_view ToString(FilterKind kind) { return NameOf(kFilterNames, kind); 
 
 absl::StatusOr<SamplerKind> ParseSamplerKind(std::string_view name) {
   return ParseName(kSamplerNames, "sampler", name);
+}
+absl::StatusOr<DirectStrategy> ParseDirectStrategy(std::string_view name) {
+  return ParseName(kStrategyNames, "strategy", name);
+}
+absl::StatusOr<RouletteKind> ParseRouletteKind(std::string_view name) {
+  return ParseName(kRouletteNames, "roulette", name);
 }
 absl::StatusOr<KernelKind> ParseKernelKind(std::string_view name) {
   return ParseName(kKernelNames, "kernel", name);

@@ -27,7 +27,37 @@ struct PixelRect {
 /// each replicate.
 inline constexpr uint32_t kMaxSpp = 1 << 30;
 
-enum class SamplerKind { kSobol, kIndependent };
+/// How the numbers of a pixel's samples are drawn; worker/sampling/ says how.
+enum class SamplerKind {
+  kSobol,           ///< Padded Owen-scrambled Sobol' points.
+  kIndependent,     ///< Independent numbers.
+  kHalton,          ///< Owen-scrambled Halton points.
+  kHaltonPlain,     ///< The bare Halton sequence, the same in each pixel.
+  kStratified,      ///< Jittered 4x4 grids: blocks of 16 samples, as are the next two.
+  kLatinHypercube,  ///< One sample in each row and column.
+  kPoissonDisk,     ///< No two samples near each other.
+  kDrand48,         ///< The C library's generator, one sequence for all.
+};
+/// Whether replicates are independent: no error can be told, or aimed at, where they are not.
+bool ClaimsInterval(SamplerKind kind);
+
+/// How paths find light. All have the same expectation; the single ones show what each costs.
+/// Lights that no direction meets (point, distant, ...) are sampled, and delta reflections
+/// followed, by all.
+enum class DirectStrategy {
+  kMis,        ///< Light and BSDF sampling, weighted (PBRT 13.4).
+  kLightOnly,  ///< Light sampling wherever it can find a light.
+  kBsdfOnly,   ///< Directions drawn from the BSDF.
+  kCosine,     ///< Directions drawn by their cosine.
+  kUniform,    ///< Directions drawn from the hemisphere, or the sphere where light passes through.
+};
+/// What ends a path before its last bounce (PBRT 2.2.4).
+enum class RouletteKind {
+  kThroughput,  ///< Survival in proportion to the path's throughput.
+  kOff,         ///< Nothing does.
+  kEfficiency,  ///< The same, by what a pilot shows to be best around the pixel.
+};
+
 /// Which code follows the paths: the same estimator from the same random numbers, rounded
 /// otherwise.
 enum class KernelKind {
@@ -78,6 +108,8 @@ struct JobSpec {
   PixelRect crop;             ///< The pixels rendered, inside the frame, not empty.
   int max_depth = 5;          ///< Bounces, as pbrt-v4's maxdepth; 0 to 100000.
   SamplerKind sampler = SamplerKind::kSobol;
+  DirectStrategy strategy = DirectStrategy::kMis;
+  RouletteKind roulette = RouletteKind::kThroughput;
   KernelKind kernel = KernelKind::kFast;
   FilterSpec filter;
   /// Samples per pixel over all replicates, on average: a multiple of 8 up to kMaxSpp. With a
@@ -103,14 +135,20 @@ PixelLayout LayoutOf(const JobSpec& spec);
 /// The names of all plain channels in layout order, as they appear in the EXR.
 std::vector<std::string> PlainChannelNames(const ExtraChannels& channels);
 
-/// "sobol", "independent"; "fast", "reference"; "uniform", "ring", "greedy"; "samples", "error",
+/// "sobol", "independent", "halton", "halton_plain", "stratified", "latin_hypercube",
+/// "poisson_disk", "drand48"; "mis", "light", "bsdf", "cosine", "uniform"; "throughput", "off",
+/// "efficiency"; "fast", "reference"; "uniform", "ring", "greedy"; "samples", "error",
 /// "rmse", "time"; "box", "triangle", "gaussian", "mitchell".
 std::string_view ToString(SamplerKind kind);
+std::string_view ToString(DirectStrategy strategy);
+std::string_view ToString(RouletteKind kind);
 std::string_view ToString(KernelKind kind);
 std::string_view ToString(AllocationKind kind);
 std::string_view ToString(TargetKind kind);
 std::string_view ToString(FilterKind kind);
 absl::StatusOr<SamplerKind> ParseSamplerKind(std::string_view name);
+absl::StatusOr<DirectStrategy> ParseDirectStrategy(std::string_view name);
+absl::StatusOr<RouletteKind> ParseRouletteKind(std::string_view name);
 absl::StatusOr<KernelKind> ParseKernelKind(std::string_view name);
 absl::StatusOr<AllocationKind> ParseAllocationKind(std::string_view name);
 absl::StatusOr<FilterKind> ParseFilterKind(std::string_view name);

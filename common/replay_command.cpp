@@ -33,11 +33,16 @@ std::string FilterArgument(const FilterSpec& filter) {
 }  // namespace
 
 std::string ReplayCommand(const JobSpec& spec, int x, int y, uint32_t replicate, uint32_t sample) {
-  return fmt::format(
+  std::string command = fmt::format(
       "strata replay {} --pixel {},{} --replicate {} --sample {} --seed {} --frame {} "
       "--resolution {}x{} --max-depth {} --sampler {} --filter {}",
       SceneArguments(spec), x, y, replicate, sample, spec.seed, spec.frame, spec.width, spec.height,
       spec.max_depth, ToString(spec.sampler), FilterArgument(spec.filter));
+  if (spec.strategy != DirectStrategy::kMis)
+    command += fmt::format(" --strategy {}", ToString(spec.strategy));
+  if (spec.roulette != RouletteKind::kThroughput)
+    command += fmt::format(" --roulette {}", ToString(spec.roulette));
+  return command;
 }
 
 std::string CheckCommand(const JobSpec& spec) { return "strata check " + SceneArguments(spec); }

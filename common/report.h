@@ -38,7 +38,8 @@ struct JobStatus {
   uint32_t rounds = 0;  ///< Rounds that are wholly merged.
   /// 99th percentile over pixels and channels of the half-width over max(luminance, 5 % of the
   /// image mean luminance); 0 until every pixel has samples in all replicates. Until the job ends
-  /// the half-widths are those that hold at all times, however often one looks.
+  /// the half-widths are those that hold at all times, however often one looks. 0 where the
+  /// sampler claims no interval.
   double rel_error = 0;
   double flagged = 0;  ///< Share of pixels with a flag, 0 to 1.
   double mean_rgb[3] = {0, 0, 0};
@@ -76,7 +77,8 @@ struct LogLine {
 };
 
 /// The layers of a job's image as floats, row-major over the crop, pixel-interleaved in the order
-/// of `channels`: R G B, plain channels, stderr.*, ci95.*, variance.*, samples.Y, flags.Y.
+/// of `channels`: R G B, plain channels, stderr.*, ci95.*, variance.*, samples.Y, flags.Y. Without
+/// stderr.* and ci95.* where the sampler claims no interval.
 struct ImageLayers {
   int full_width = 0, full_height = 0;
   PixelRect crop;
@@ -87,7 +89,8 @@ struct ImageLayers {
 };
 
 /// Bits of the flags layer.
-inline constexpr uint32_t kFlagSkew = 1;       ///< Too few samples for the skewness around it.
-inline constexpr uint32_t kFlagNonFinite = 2;  ///< A sample was NaN or infinite: no interval.
+inline constexpr uint32_t kFlagSkew = 1;        ///< Too few samples for the skewness around it.
+inline constexpr uint32_t kFlagNonFinite = 2;   ///< A sample was NaN or infinite: no interval.
+inline constexpr uint32_t kFlagNoInterval = 4;  ///< The sampler's replicates are not independent.
 
 }  // namespace strata

@@ -25,13 +25,14 @@ double ErrorSquared(const PixelLayout& layout, const double* values, int channel
   return sum / ((kReplicates - 1) * kReplicates);
 }
 
-EstimateInput GatherEstimateInput(const Film& film, const PixelRect& wanted) {
+EstimateInput GatherEstimateInput(const Film& film, const PixelRect& wanted, SamplerKind sampler) {
   const PixelRect& crop = film.geometry().grid.crop;
   const PixelLayout& layout = film.geometry().layout;
   const size_t stride = static_cast<size_t>(wanted.Width()) + 2 * kReach;
   const size_t pixels = stride * (static_cast<size_t>(wanted.Height()) + 2 * kReach);
   EstimateInput input;
   input.wanted = wanted;
+  input.claims_interval = ClaimsInterval(sampler);
   input.samples.resize(pixels);
   input.nonfinite.resize(pixels);
   for (auto* planes : {&input.mean, &input.error_squared, &input.m2, &input.m3}) {
@@ -104,8 +105,9 @@ std::vector<PixelEstimate> Estimate(const EstimateInput& input) {
   for (size_t i = 0; i < pixels; ++i) {
     const size_t k = input_index(i);
     estimates[i].samples = static_cast<uint64_t>(input.samples[k]);
-    if (!input.nonfinite[k]) continue;
-    estimates[i].flags |= kFlagNonFinite;
+    if (input.nonfinite[k]) estimates[i].flags |= kFlagNonFinite;
+    if (!input.claims_interval) estimates[i].flags |= kFlagNoInterval;
+    if (input.claims_interval && !input.nonfinite[k]) continue;
     std::fill_n(estimates[i].ci95, kColours, std::numeric_limits<double>::infinity());
   }
   return estimates;

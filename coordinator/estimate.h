@@ -35,9 +35,9 @@ struct PixelEstimate {
   uint64_t samples = 0;  ///< Over all replicates.
   double mean[kColours] = {};
   double standard_error[kColours] = {};  ///< s_R / sqrt(R) of the replicate means.
-  double ci95[kColours] = {};            ///< Half-width; infinite where a sample was not finite.
+  double ci95[kColours] = {};            ///< Half-width; infinite where none is claimed.
   double variance[kColours] = {};        ///< Per sample: m2 / (N - 1).
-  uint32_t flags = 0;                    ///< kFlagSkew, kFlagNonFinite.
+  uint32_t flags = 0;                    ///< kFlagSkew, kFlagNonFinite, kFlagNoInterval.
 };
 
 /// What the estimates of a rectangle are made of: its pixels and, for the neighbourhoods, a margin
@@ -46,6 +46,7 @@ struct PixelEstimate {
 struct EstimateInput {
   static constexpr int kMargin = 2;  ///< The reach of the largest neighbourhood, the 5x5 ring.
   PixelRect wanted;
+  bool claims_interval = true;  ///< Whether replicates are independent.
   /// For each pixel of the rectangle and its margin, row-major.
   std::vector<double> samples;  ///< Over all replicates.
   std::vector<uint8_t> nonfinite;
@@ -53,7 +54,9 @@ struct EstimateInput {
   std::vector<double> mean[kColours], error_squared[kColours], m2[kColours], m3[kColours];
 };
 
-EstimateInput GatherEstimateInput(const Film& film, const PixelRect& wanted);
+/// `sampler` drew the film's samples.
+EstimateInput GatherEstimateInput(const Film& film, const PixelRect& wanted,
+                                  SamplerKind sampler = SamplerKind::kSobol);
 
 /// For each wanted pixel, row-major. Does not depend on how the crop is cut into rectangles.
 std::vector<PixelEstimate> Estimate(const EstimateInput& input);

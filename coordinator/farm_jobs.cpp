@@ -123,7 +123,7 @@ absl::StatusOr<JobId> Farm::State::AddJob(const JobSpec& spec, const std::string
 
 absl::Status Farm::State::Prepare(JobRecord& job) {
   const FilmGeometry geometry{FilmLayer::kPath, {job.spec.crop, job.spec.tile}, LayoutOf(job.spec)};
-  job.film = std::make_shared<JobFilm>();
+  job.film = std::make_shared<JobFilm>(job.spec.sampler);
   {
     MutexLock lock(job.film->mutex);
     STRATA_ASSIGN_OR_RETURN(job.film->film, Film::Create(FilmPath(options, job.id), geometry));
@@ -293,7 +293,7 @@ absl::StatusOr<ImageLayers> Farm::Image(const JobId& id) const {
     std::vector<double> plain;
     {
       MutexLock lock(film->mutex);
-      input = GatherEstimateInput(*film->film, grid.Rect(tile));
+      input = GatherEstimateInput(*film->film, grid.Rect(tile), status.spec.sampler);
       plain = GatherPlain(*film->film, grid.Rect(tile));
     }
     image.Fill(input, plain);

@@ -29,6 +29,9 @@ namespace strata {
 
 /// A job's film and what merges into it.
 struct JobFilm {
+  explicit JobFilm(SamplerKind drawn_by) : sampler(drawn_by) {}
+
+  const SamplerKind sampler;
   mutable Mutex mutex;
   std::unique_ptr<Film> film STRATA_GUARDED_BY(mutex);
   /// Of the round; nothing once a round was dropped, so that no late result gets in.

@@ -58,7 +58,7 @@ FilmSummary RefreshSummary(JobFilm& film, double widening) {
     EstimateInput input;
     {
       MutexLock lock(film.mutex);
-      input = GatherEstimateInput(*film.film, grid.Rect(tile));
+      input = GatherEstimateInput(*film.film, grid.Rect(tile), film.sampler);
     }
     film.summary->Update(tile, Estimate(input));
   }

@@ -6,7 +6,8 @@
 
 namespace strata {
 
-ImageBuilder::ImageBuilder(const JobSpec& spec, double widening) : widening_(widening) {
+ImageBuilder::ImageBuilder(const JobSpec& spec, double widening)
+    : widening_(widening), claims_interval_(ClaimsInterval(spec.sampler)) {
   const std::vector<std::string> plain = PlainChannelNames(spec.channels);
   plain_ = plain.size();
   image_.full_width = spec.width;
@@ -14,7 +15,8 @@ ImageBuilder::ImageBuilder(const JobSpec& spec, double widening) : widening_(wid
   image_.crop = spec.crop;
   image_.channels = {"R", "G", "B"};
   image_.channels.insert(image_.channels.end(), plain.begin(), plain.end());
-  for (const char* layer : {"stderr", "ci95", "variance"}) {
+  for (const std::string_view layer : {"stderr", "ci95", "variance"}) {
+    if (!claims_interval_ && layer != "variance") continue;
     for (const char* colour : {"R", "G", "B"}) {
       image_.channels.push_back(fmt::format("{}.{}", layer, colour));
     }
@@ -39,8 +41,10 @@ void ImageBuilder::Fill(const EstimateInput& input, const std::vector<double>& p
       const PixelEstimate& estimate = estimates[i];
       out = put(estimate.mean, kColours, out);
       out = put(plain.data() + i * plain_, plain_, out);
-      out = put(estimate.standard_error, kColours, out);
-      out = put(estimate.ci95, kColours, out, widening_);
+      if (claims_interval_) {
+        out = put(estimate.standard_error, kColours, out);
+        out = put(estimate.ci95, kColours, out, widening_);
+      }
       out = put(estimate.variance, kColours, out);
       *out++ = static_cast<float>(estimate.samples);
       *out++ = static_cast<float>(estimate.flags);
@@ -93,9 +97,13 @@ std::vector<std::pair<std::string, std::string>> ImageMetadata(const JobStatus& 
                      ? "samples"
                      : fmt::format("{}:{}", ToString(spec.target), spec.target_value)},
       {"rounds", std::to_string(status.rounds)},
-      {"interval", status.state == JobState::kDone ? "at this count" : "at all times"},
+      {"interval", !ClaimsInterval(spec.sampler)     ? "none claimed"
+                   : status.state == JobState::kDone ? "at this count"
+                                                     : "at all times"},
       {"maxDepth", std::to_string(spec.max_depth)},
       {"sampler", std::string(ToString(spec.sampler))},
+      {"strategy", std::string(ToString(spec.strategy))},
+      {"roulette", std::string(ToString(spec.roulette))},
       {"kernel", std::string(ToString(spec.kernel))},
       {"filter", FilterText(spec.filter)},
       {"tile", std::to_string(spec.tile)},

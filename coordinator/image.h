@@ -23,6 +23,7 @@ class ImageBuilder {
  private:
   ImageLayers image_;
   double widening_;
+  bool claims_interval_;
   size_t plain_ = 0;
 };
 

@@ -21,5 +21,28 @@ picture() {
 
 picture cornell-box/cornell-box.pbrt cornell-box/cornell-box.png --resolution 256x256 --spp 256
 picture textures/textures.pbrt textures/textures.png --resolution 320x180 --spp 256
+for name in textured spot projection goniometric portal; do
+  picture lights/$name.pbrt lights/$name.png --spp 512
+done
+picture detail/detail.pbrt detail/detail.png
+picture leaves/leaves.pbrt leaves/leaves.png
+picture lobes/lobes.pbrt lobes/lobes.png
+picture cameras/orthographic.pbrt cameras/orthographic.png
+picture cameras/spherical.pbrt cameras/spherical.png
+picture cameras/equalarea.pbrt cameras/equalarea.png
+picture motion/motion.pbrt motion/motion.png
+picture motion/pan.pbrt motion/pan.png
+picture curves/curves.pbrt curves/curves.png
+picture subdivision/subdivision.pbrt subdivision/subdivision.png
+
+for sampler in sobol independent halton halton_plain stratified latin_hypercube poisson_disk drand48; do
+  picture soft-shadow/soft-shadow.pbrt soft-shadow/sampler-$sampler.png --sampler $sampler --spp 128 \
+    --allocation uniform --strategy light
+done
+for strategy in mis light bsdf cosine uniform; do
+  picture soft-shadow/soft-shadow.pbrt soft-shadow/strategy-$strategy.png --strategy $strategy \
+    --spp 16 --allocation uniform
+done
+picture soft-shadow/soft-shadow.pbrt soft-shadow/roulette-efficiency.png --roulette efficiency --spp 64
 picture lights/textured.pbrt lights/textured.png --spp 512
 picture gltf/materials.gltf gltf/materials.png --resolution 480x270 --spp 256

@@ -50,9 +50,10 @@ struct Frame {
 
 absl::StatusOr<Frame> Render(const PlatesScene& plates, DirectStrategy direct,
                              const Settings& settings) {
-  const JobSpec spec = SpecFor(settings);
+  JobSpec spec = SpecFor(settings);
+  spec.strategy = direct;
   STRATA_ASSIGN_OR_RETURN(const std::unique_ptr<Renderer> renderer,
-                          Renderer::Create(plates.scene, spec, direct));
+                          Renderer::Create(plates.scene, spec));
   RenderPool pool(1);
   const auto start = std::chrono::steady_clock::now();
   STRATA_ASSIGN_OR_RETURN(const Partial partial,

@@ -8,6 +8,27 @@ namespace {
 constexpr std::pair<SamplerKind, v1::SamplerKind> kSamplers[] = {
     {SamplerKind::kSobol, v1::SAMPLER_KIND_SOBOL},
     {SamplerKind::kIndependent, v1::SAMPLER_KIND_INDEPENDENT},
+    {SamplerKind::kHalton, v1::SAMPLER_KIND_HALTON},
+    {SamplerKind::kHaltonPlain, v1::SAMPLER_KIND_HALTON_PLAIN},
+    {SamplerKind::kStratified, v1::SAMPLER_KIND_STRATIFIED},
+    {SamplerKind::kLatinHypercube, v1::SAMPLER_KIND_LATIN_HYPERCUBE},
+    {SamplerKind::kPoissonDisk, v1::SAMPLER_KIND_POISSON_DISK},
+    {SamplerKind::kDrand48, v1::SAMPLER_KIND_DRAND48},
+};
+// Clients that know of no strategies, and of no choice of roulette, send the last value.
+constexpr std::pair<DirectStrategy, v1::DirectStrategy> kStrategies[] = {
+    {DirectStrategy::kMis, v1::DIRECT_STRATEGY_MIS},
+    {DirectStrategy::kLightOnly, v1::DIRECT_STRATEGY_LIGHT},
+    {DirectStrategy::kBsdfOnly, v1::DIRECT_STRATEGY_BSDF},
+    {DirectStrategy::kCosine, v1::DIRECT_STRATEGY_COSINE},
+    {DirectStrategy::kUniform, v1::DIRECT_STRATEGY_UNIFORM},
+    {DirectStrategy::kMis, v1::DIRECT_STRATEGY_UNSPECIFIED},
+};
+constexpr std::pair<RouletteKind, v1::RouletteKind> kRoulettes[] = {
+    {RouletteKind::kThroughput, v1::ROULETTE_KIND_THROUGHPUT},
+    {RouletteKind::kOff, v1::ROULETTE_KIND_OFF},
+    {RouletteKind::kEfficiency, v1::ROULETTE_KIND_EFFICIENCY},
+    {RouletteKind::kThroughput, v1::ROULETTE_KIND_UNSPECIFIED},
 };
 constexpr std::pair<KernelKind, v1::KernelKind> kKernels[] = {
     {KernelKind::kFast, v1::KERNEL_KIND_FAST},
@@ -99,6 +120,8 @@ void ToWire(const JobSpec& spec, v1::JobSpec* message, bool with_files) {
   message->set_max_depth(spec.max_depth);
   message->set_sampler(EnumToWire(kSamplers, spec.sampler));
   message->set_kernel(EnumToWire(kKernels, spec.kernel));
+  message->set_strategy(EnumToWire(kStrategies, spec.strategy));
+  message->set_roulette(EnumToWire(kRoulettes, spec.roulette));
   v1::FilterSpec* filter = message->mutable_filter();
   filter->set_kind(EnumToWire(kFilters, spec.filter.kind));
   filter->set_radius_x(spec.filter.radius_x);
@@ -133,6 +156,10 @@ absl::StatusOr<JobSpec> FromWire(const v1::JobSpec& message) {
   spec.max_depth = message.max_depth();
   STRATA_RETURN_IF_ERROR(EnumFromWire(kSamplers, message.sampler(), "spec.sampler", &spec.sampler));
   STRATA_RETURN_IF_ERROR(EnumFromWire(kKernels, message.kernel(), "spec.kernel", &spec.kernel));
+  STRATA_RETURN_IF_ERROR(
+      EnumFromWire(kStrategies, message.strategy(), "spec.strategy", &spec.strategy));
+  STRATA_RETURN_IF_ERROR(
+      EnumFromWire(kRoulettes, message.roulette(), "spec.roulette", &spec.roulette));
   const v1::FilterSpec& filter = message.filter();
   STRATA_RETURN_IF_ERROR(
       EnumFromWire(kFilters, filter.kind(), "spec.filter.kind", &spec.filter.kind));

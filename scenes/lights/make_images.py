@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Draws the images of this folder's scenes: window.png, panes of coloured glass."""
+"""Makes the images of this folder's scenes: window.png, panes of coloured glass; sky.hdr, a painted
+sky; lobes.hdr and downlight.ies, the intensities of two lamps."""
 
 import math
 import os
@@ -48,5 +49,74 @@ def window(u, v):
     return [(40, 140, 90), (70, 170, 210), (150, 60, 150)][(column + 2 * row) % 3]
 
 
+def equal_area_direction(u, v):
+    """From the unit square to the sphere, z up (Clarberg 2008)."""
+    u, v = 2 * u - 1, 2 * v - 1
+    distance = 1 - (abs(u) + abs(v))
+    radius = 1 - abs(distance)
+    phi = math.pi / 4 * ((abs(v) - abs(u)) / radius + 1 if radius > 0 else 1)
+    scale = radius * math.sqrt(2 - radius * radius)
+    x = math.copysign(math.cos(phi), u) * scale
+    y = math.copysign(math.sin(phi), v) * scale
+    return x, y, math.copysign(1 - radius * radius, distance)
+
+
+def sky(u, v):
+    """Radiance: a low sun before the window (y is away from it), blue above, green below."""
+    x, y, z = equal_area_direction(u, v)
+    if z < 0:
+        return (0.10, 0.16, 0.06)
+    t = math.sqrt(z)
+    color = [0.75 * (1 - t) + 0.22 * t, 0.80 * (1 - t) + 0.38 * t, 0.85 * (1 - t) + 0.75 * t]
+    sun = max(0.0, 0.45 * x - 0.70 * y + 0.55 * z) ** 900
+    return tuple(c + s * sun for c, s in zip(color, (480, 400, 280)))
+
+
+def lobes(u, v):
+    """Intensity: four petals around the axis, and a little everywhere."""
+    x, y, z = equal_area_direction(u, v)
+    around = math.atan2(y, x)
+    value = 0.05 + math.cos(2 * around) ** 6 * (1 - z * z) ** 2
+    return (value, value, value)
+
+
+def write_hdr(name, size, pixel):
+    """A flat Radiance picture (Ward 1991)."""
+
+    def rgbe(color):
+        largest = max(color)
+        if largest < 1e-32:
+            return bytes(4)
+        mantissa, exponent = math.frexp(largest)
+        scale = mantissa * 256 / largest
+        return bytes([int(c * scale) for c in color] + [exponent + 128])
+
+    with open(os.path.join(HERE, name), "wb") as file:
+        file.write(b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y %d +X %d\n" % (size, size))
+        for y in range(size):
+            for x in range(size):
+                file.write(rgbe(pixel((x + 0.5) / size, (y + 0.5) / size)))
+
+
+def write_ies(name):
+    """An IES file (LM-63): a bright spot straight down, and a ring at 55 degrees."""
+    angles = [2.5 * i for i in range(37)]
+    candelas = [
+        900 * math.exp(-((a / 14) ** 2)) + 350 * math.exp(-(((a - 55) / 5) ** 2)) for a in angles
+    ]
+
+    def rows(values):
+        lines = [values[i : i + 10] for i in range(0, len(values), 10)]
+        return "".join(" ".join("%g" % round(value, 1) for value in line) + "\n" for line in lines)
+
+    with open(os.path.join(HERE, name), "w") as file:
+        file.write("IESNA:LM-63-1995\n[TEST] drawn, not measured\nTILT=NONE\n")
+        file.write("1 -1 1 %d 1 1 2 0.1 0.1 0\n1 1 10\n" % len(angles))
+        file.write(rows(angles) + "0\n" + rows(candelas))
+
+
 if __name__ == "__main__":
     write_png("window.png", 192, 192, window)
+    write_hdr("sky.hdr", 128, sky)
+    write_hdr("lobes.hdr", 64, lobes)
+    write_ies("downlight.ies")

@@ -1,10 +1,13 @@
 #pragma once
 
 #include <cmath>
+#include <deque>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "worker/bsdf/bsdf.h"
+#include "worker/bsdf/mixture_parts.h"
 #include "worker/math/elementary.h"
 
 namespace strata {
@@ -38,6 +41,14 @@ inline Coat TestCoat(float alpha, Rgb optical_depth = {}) {
   return {&TestCoatInterface(), Ggx::FromAlpha(alpha, alpha), optical_depth};
 }
 
+/// A sum whose parts live as long as the program.
+inline MixtureBsdf TestMixture(const std::vector<std::pair<Bsdf, float>>& parts) {
+  static std::deque<MixtureParts> kept;
+  MixtureParts& added = kept.emplace_back();
+  for (const auto& [bsdf, weight] : parts) added.Add(bsdf, weight);
+  return {&added};
+}
+
 /// One or more of every kind.
 inline std::vector<BsdfCase> AllBsdfCases() {
   const Rgb color = {0.8f, 0.5f, 0.2f};
@@ -63,6 +74,21 @@ inline std::vector<BsdfCase> AllBsdfCases() {
                            Ggx::FromAlpha(0.2f, 0.4f))},
       {"rough coat on smooth metal",
        CoatedConductorBsdf(TestCoat(0.3f), TestTrappedLight(), kCopperEta, kCopperK, {})},
+      {"Blinn's metal", BlinnBsdf{kCopperEta, kCopperK, 50}},
+      {"sharp Blinn", BlinnBsdf{kCopperEta, kCopperK, 5000}},
+      {"wide Blinn of glass", BlinnBsdf{Rgb::Gray(1.5f), {}, 3}},
+      {"Ashikhmin-Shirley", AshikhminShirleyBsdf{color, Rgb::Gray(0.05f), {50, 50}}},
+      {"anisotropic Ashikhmin-Shirley",
+       AshikhminShirleyBsdf{{0.3f, 0.2f, 0.1f}, Rgb::Gray(0.4f), {10, 1000}}},
+      {"Ashikhmin-Shirley without diffuse part", AshikhminShirleyBsdf{{}, color, {200, 20}}},
+      {"sum of paint and metals",
+       TestMixture({{DiffuseBsdf{color}, 0.5f},
+                    {ConductorBsdf{kCopperEta, kCopperK, Ggx::FromAlpha(0.1f, 0.3f)}, 0.3f},
+                    {BlinnBsdf{kCopperEta, kCopperK, 20}, 0.2f}})},
+      {"sum of paint and a mirror",
+       TestMixture({{DiffuseBsdf{color}, 0.6f}, {ConductorBsdf{kCopperEta, kCopperK, {}}, 0.4f}})},
+      {"sum of a mirror and a pane", TestMixture({{ConductorBsdf{kCopperEta, kCopperK, {}}, 0.5f},
+                                                  {ThinDielectricBsdf{1.5f}, 0.5f}})},
       {"rough coat on rough metal",
        CoatedConductorBsdf(TestCoat(0.1f), TestTrappedLight(), kCopperEta, kCopperK,
                            Ggx::FromAlpha(0.3f, 0.3f))},

@@ -40,7 +40,7 @@ class Materials {
     return absl::OkStatus();
   }
   Bsdf Evaluate(MaterialId id, Vec2f uv = {0.5f, 0.5f}, float u_mix = 0.5f) const {
-    return set_->Evaluate(id, uv, {}, u_mix);
+    return set_->Evaluate(id, uv, {}, u_mix, &room_);
   }
 
  private:
@@ -53,6 +53,7 @@ class Materials {
   std::vector<MaterialDescription> materials_;
   std::unique_ptr<TextureSet> texture_set_;
   std::unique_ptr<MaterialSet> set_;
+  mutable BsdfRoom room_;
 };
 
 TEST(MaterialSet, EveryKindBecomesItsBsdf) {
@@ -132,6 +133,42 @@ TEST(MaterialSet, MixesChooseByTheirAmounts) {
     EXPECT_FLOAT_EQ(std::get<DiffuseBsdf>(m.Evaluate(first, {}, u)).reflectance.r, 0.1f);
     EXPECT_FLOAT_EQ(std::get<DiffuseBsdf>(m.Evaluate(second, {}, u)).reflectance.r, 0.2f);
   }
+}
+
+TEST(MaterialSet, SumsHaveAllTheirParts) {
+  Materials m;
+  const MaterialId a = m.Add(DiffuseMaterial{m.Number(0.1f)});
+  const MaterialId b = m.Add(BlinnMaterial{.eta = m.Number(1.5f), .exponent = m.Number(7)});
+  const MaterialId c =
+      m.Add(AshikhminShirleyMaterial{m.Number(0.3f), m.Number(0.2f), m.Number(5), m.Number(9)});
+  const MaterialId inner = m.Add(MixMaterial{a, b, m.Number(0.25f), true});
+  const MaterialId outer = m.Add(MixMaterial{inner, c, m.Number(0.4f), true});
+  const MaterialId only = m.Add(MixMaterial{a, c, m.Number(1), true});
+  const MaterialId chosen = m.Add(MixMaterial{inner, c, m.Number(0.5f)});
+  ASSERT_TRUE(m.Build().ok());
+  const Bsdf sum = m.Evaluate(outer);
+  const MixtureParts& parts = *std::get<MixtureBsdf>(sum).parts;
+  ASSERT_EQ(parts.count, 3);
+  EXPECT_FLOAT_EQ(parts.weights[0], 0.6f * 0.75f);
+  EXPECT_FLOAT_EQ(parts.weights[1], 0.6f * 0.25f);
+  EXPECT_FLOAT_EQ(parts.weights[2], 0.4f);
+  EXPECT_FLOAT_EQ(std::get<DiffuseBsdf>(parts.bsdfs[0]).reflectance.r, 0.1f);
+  EXPECT_FLOAT_EQ(std::get<BlinnBsdf>(parts.bsdfs[1]).exponent, 7);
+  EXPECT_FLOAT_EQ(std::get<AshikhminShirleyBsdf>(parts.bsdfs[2]).normals.nv, 9);
+  EXPECT_FLOAT_EQ(std::get<AshikhminShirleyBsdf>(m.Evaluate(only)).specular.g, 0.2f);
+  EXPECT_TRUE(std::holds_alternative<AshikhminShirleyBsdf>(m.Evaluate(chosen, {}, 0.2f)));
+  EXPECT_EQ(std::get<MixtureBsdf>(m.Evaluate(chosen, {}, 0.7f)).parts->count, 2);
+}
+
+TEST(MaterialSet, SumsOfTooManyPartsAreRefused) {
+  Materials m;
+  MaterialId sum = m.Add(DiffuseMaterial{m.Number(0.1f)});
+  for (int i = 0; i < 2; ++i) sum = m.Add(MixMaterial{sum, sum, m.Number(0.5f), true});
+  ASSERT_TRUE(m.Build().ok());
+  m.Add(MixMaterial{sum, 0, m.Number(0.5f), true});
+  const absl::Status status = m.Build();
+  EXPECT_NE(status.message().find("material 3: the sum has more than 4 parts"), std::string::npos)
+      << status;
 }
 
 void ExpectRefused(MaterialDescription material, const std::string& word) {

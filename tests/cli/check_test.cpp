@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -154,12 +155,19 @@ TEST_P(BrokenImage, IsBadInputBeforeAnythingIsSubmitted) {
   }
 }
 
+constexpr const char* kImageUses[] = {"Texture", "Environment", "Projection", "Diagram",
+                                      "AreaLight"};
+
 INSTANTIATE_TEST_SUITE_P(
     All, BrokenImage,
     testing::Values("Texture \"paint\" \"spectrum\" \"imagemap\" \"string filename\" \"image.png\" "
                     "Material \"diffuse\" \"texture reflectance\" \"paint\"",
-                    "LightSource \"infinite\" \"string filename\" \"image.png\""),
-    [](const auto& info) { return info.index == 0 ? "Texture" : "Environment"; });
+                    "LightSource \"infinite\" \"string filename\" \"image.png\"",
+                    "LightSource \"projection\" \"string filename\" \"image.png\"",
+                    "LightSource \"goniometric\" \"string filename\" \"image.png\"",
+                    "AreaLightSource \"diffuse\" \"string filename\" \"image.png\" "
+                    "Shape \"sphere\""),
+    [](const auto& info) { return std::string(kImageUses[info.index]); });
 
 TEST(Check, ABrokenImageIsOneLineWhateverItsReaderSays) {
   const SceneFolder folder;
@@ -209,6 +217,19 @@ TEST(Check, AnImageWithATexelThatIsNotFiniteIsRefused) {
     const CommandResult result = RunInProcess({command, scene});
     EXPECT_EQ(result.exit_status, 2) << command;
     EXPECT_EQ(result.err.find(image + ": the image's texel (1, 0) is NaN"), 0u) << result.err;
+  }
+}
+
+TEST(Check, ABrokenIesFileIsLocatedAtTheLightAndInTheFile) {
+  const SceneFolder folder;
+  folder.Write("lamp.ies", "IESNA:LM-63-1995\nTILT=NONE\n1 1000 1 3 1 2 2 0 0 0\n");
+  const std::string scene = folder.Write(
+      "scene.pbrt", SceneWithImage("LightSource \"goniometric\" \"string filename\" \"lamp.ies\""));
+  for (const char* command : {"render", "check"}) {
+    const CommandResult result = RunInProcess({command, scene});
+    EXPECT_EQ(result.exit_status, 2) << command;
+    EXPECT_EQ(result.err.find(scene + ":3: lamp.ies:3: "), 0u) << result.err;
+    EXPECT_NE(result.err.find("type C"), std::string::npos) << result.err;
   }
 }
 

@@ -38,6 +38,13 @@ TEST(Events, TheDoneEventHasExactlyTheKeysScriptsRelyOn) {
   EXPECT_EQ(done["digest"], "sha256:" + std::string(64, '0'));
 }
 
+TEST(Events, NoErrorIsToldWhereNoIntervalIsClaimed) {
+  JobStatus status;
+  status.spec.sampler = SamplerKind::kDrand48;
+  EXPECT_TRUE(json::parse(DoneEvent(status))["rel_error"].is_null());
+  EXPECT_TRUE(json::parse(ProgressEvent(status))["rel_error"].is_null());
+}
+
 TEST(Events, AJobThatFailedHasNotMetItsTarget) {
   JobStatus status;
   status.state = JobState::kFailed;

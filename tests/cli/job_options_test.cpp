@@ -55,6 +55,8 @@ TEST(JobOptions, WhatIsGivenWinsOverTheSceneFile) {
   options.crop = "1,2,30,40";
   options.max_depth = 0;
   options.sampler = "independent";
+  options.strategy = "light";
+  options.roulette = "off";
   options.kernel = "reference";
   options.filter = "triangle:1.5";
   options.spp = 32;
@@ -71,6 +73,8 @@ TEST(JobOptions, WhatIsGivenWinsOverTheSceneFile) {
   EXPECT_EQ(spec.crop, (PixelRect{1, 2, 30, 40}));
   EXPECT_EQ(spec.max_depth, 0);
   EXPECT_EQ(spec.sampler, SamplerKind::kIndependent);
+  EXPECT_EQ(spec.strategy, DirectStrategy::kLightOnly);
+  EXPECT_EQ(spec.roulette, RouletteKind::kOff);
   EXPECT_EQ(spec.kernel, KernelKind::kReference);
   EXPECT_EQ(spec.filter.kind, FilterKind::kTriangle);
   EXPECT_EQ(spec.filter.radius_x, 1.5);
@@ -125,8 +129,32 @@ TEST(JobOptions, ValuesThatAreNotUnderstoodAreNamedWithWhatIsWanted) {
             std::string::npos);
   EXPECT_NE(Refusal({.scene = "a", .filter = "sinc"}).find("--filter: "), std::string::npos);
   EXPECT_NE(Refusal({.scene = "a", .sampler = "dice"}).find("--sampler: "), std::string::npos);
+  EXPECT_NE(Refusal({.scene = "a", .strategy = "luck"}).find("--strategy: "), std::string::npos);
+  EXPECT_NE(Refusal({.scene = "a", .roulette = "red"}).find("--roulette: "), std::string::npos);
   EXPECT_NE(Refusal({.scene = "a", .kernel = "quick"}).find("--kernel: "), std::string::npos);
   EXPECT_NE(Refusal({.scene = "a", .spp = 0}).find("--spp: 0"), std::string::npos);
+}
+
+TEST(JobOptions, SamplersThatClaimNoIntervalSayItAndAreRefusedTargets) {
+  for (const std::string sampler : {"halton_plain", "drand48"}) {
+    std::vector<std::string> notes;
+    const auto spec = ResolveJobSpec({.scene = "a", .sampler = sampler}, {}, &notes);
+    ASSERT_TRUE(spec.ok()) << spec.status();
+    EXPECT_EQ(spec->allocation, AllocationKind::kUniform);
+    ASSERT_EQ(notes.size(), 1u);
+    EXPECT_NE(notes[0].find(sampler + " claims no interval"), std::string::npos) << notes[0];
+    const auto refused = [&](JobOptions options, const std::string& start) {
+      options.scene = "a";
+      options.sampler = sampler;
+      const std::string why = Refusal(options);
+      EXPECT_EQ(why.rfind(start, 0), 0u) << why;
+      EXPECT_NE(why.find("claims no interval"), std::string::npos) << why;
+    };
+    refused({.error = "2%"}, "--error: ");
+    refused({.rmse = "0.1"}, "--rmse: ");
+    refused({.allocation = "ring"}, "--allocation: ");
+  }
+  EXPECT_EQ(Resolve({.scene = "a", .sampler = "halton"}).allocation, AllocationKind::kRing);
 }
 
 TEST(JobOptions, ATargetHasAKindAValueAndACap) {

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -144,6 +145,52 @@ TEST(Render, TheDigestDoesNotDependOnThreadsWorkersOrTiles) {
             one["digest"]);
   // The control: another seed is another render.
   EXPECT_NE(Done({"render", scene, "--json", "--seed", "1"})["digest"], one["digest"]);
+}
+
+TEST(Render, EachSamplerGivesTheSameBitsForAnyNumberOfWorkers) {
+  const SceneFolder folder;
+  const std::string scene = folder.TinyScene();
+  for (const char* sampler :
+       {"halton", "halton_plain", "stratified", "latin_hypercube", "poisson_disk", "drand48"}) {
+    const std::vector<std::string> job = {"render", scene, "--json", "--sampler", sampler};
+    const auto with = [&](std::vector<std::string> more) {
+      more.insert(more.begin(), job.begin(), job.end());
+      return Done(more)["digest"];
+    };
+    const json one = with({"--threads", "1"});
+    EXPECT_EQ(with({"--workers", "2", "--threads", "1", "--tile", "8"}), one) << sampler;
+  }
+}
+
+TEST(Render, WhereNoIntervalIsClaimedReportAndImageSaySo) {
+  const SceneFolder folder;
+  const std::string out = folder.Path("out.exr");
+  const CommandResult render =
+      RunStrata({"render", folder.TinyScene(), "-o", out, "--sampler", "halton_plain"});
+  ASSERT_EQ(render.exit_status, 0) << render.err;
+  EXPECT_NE(render.out.find("no interval is claimed"), std::string::npos) << render.out;
+  EXPECT_EQ(render.out.find("95 %"), std::string::npos) << render.out;
+  EXPECT_EQ(render.out.find("worst tiles"), std::string::npos) << render.out;
+  const absl::StatusOr<ImageLayers> image = ReadExr(out);
+  ASSERT_TRUE(image.ok()) << image.status();
+  const std::vector<std::string>& channels = image->channels;
+  for (const std::string& channel : channels) {
+    EXPECT_EQ(channel.find("stderr"), std::string::npos);
+    EXPECT_EQ(channel.find("ci95"), std::string::npos);
+  }
+  const auto flags = std::find(channels.begin(), channels.end(), "flags.Y") - channels.begin();
+  for (size_t i = static_cast<size_t>(flags); i < image->values.size(); i += channels.size())
+    ASSERT_NE(static_cast<uint32_t>(image->values[i]) & kFlagNoInterval, 0u);
+  const std::map<std::string, std::string> header(image->metadata.begin(), image->metadata.end());
+  EXPECT_EQ(header.at("interval"), "none claimed");
+  EXPECT_EQ(header.at("sampler"), "halton_plain");
+  EXPECT_EQ(header.at("strategy"), "mis");
+  EXPECT_EQ(header.at("roulette"), "throughput");
+
+  const CommandResult refused =
+      RunStrata({"render", folder.TinyScene(), "--sampler", "drand48", "--error", "5%"});
+  EXPECT_EQ(refused.exit_status, 2);
+  EXPECT_NE(refused.err.find("drand48 claims no interval"), std::string::npos) << refused.err;
 }
 
 TEST(Render, SamplesThatAreNotFiniteAreCountedAndReplayableAndTheImageIsKept) {

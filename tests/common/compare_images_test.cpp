@@ -324,6 +324,8 @@ TEST(CompareImages, SharedRandomNumbersProveNoAgreement) {
   EXPECT_EQ(Compare(a, b).verdict, Verdict::kDisagree) << "what is found all the same is there";
   b.metadata = {{"seed", "4"}, {"frame", "0"}, {"sampler", "sobol"}};
   EXPECT_FALSE(Compare(a, b).shared_randomness);
+  a.metadata[2].second = b.metadata[2].second = "halton_plain";
+  EXPECT_TRUE(Compare(a, b).shared_randomness) << "the sequence is one for all seeds";
 }
 
 TEST(CompareImages, UnevenCountsAreCounted) {

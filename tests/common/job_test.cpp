@@ -44,6 +44,8 @@ TEST(JobSpecTest, NamesTheFieldThatIsWrong) {
       {"crop", [](JobSpec& s) { s.crop.x0 = 64; }},
       {"max_depth", [](JobSpec& s) { s.max_depth = -1; }},
       {"sampler", [](JobSpec& s) { s.sampler = static_cast<SamplerKind>(9); }},
+      {"strategy", [](JobSpec& s) { s.strategy = static_cast<DirectStrategy>(9); }},
+      {"roulette", [](JobSpec& s) { s.roulette = static_cast<RouletteKind>(9); }},
       {"kernel", [](JobSpec& s) { s.kernel = static_cast<KernelKind>(9); }},
       {"filter.kind", [](JobSpec& s) { s.filter.kind = static_cast<FilterKind>(9); }},
       {"filter.radius_x", [](JobSpec& s) { s.filter.radius_x = 0; }},
@@ -86,9 +88,40 @@ TEST(JobSpecTest, LayoutPlacesEveryDoubleOnce) {
   EXPECT_EQ(uses, std::vector<int>(uses.size(), 1));
 }
 
+TEST(JobSpecTest, SamplersThatClaimNoIntervalHaveNoErrorToAimAtNorToSpreadBy) {
+  for (const SamplerKind sampler : {SamplerKind::kHaltonPlain, SamplerKind::kDrand48}) {
+    JobSpec spec = GoodSpec();
+    spec.sampler = sampler;
+    EXPECT_TRUE(ValidateJobSpec(spec).ok());
+    spec.target = TargetKind::kTime;
+    spec.target_value = 1;
+    EXPECT_TRUE(ValidateJobSpec(spec).ok());
+    for (const TargetKind target : {TargetKind::kRelativeError, TargetKind::kRmse}) {
+      spec.target = target;
+      EXPECT_NE(ValidateJobSpec(spec).message().find("claims no interval"), std::string::npos);
+    }
+    spec = GoodSpec();
+    spec.sampler = sampler;
+    spec.allocation = AllocationKind::kRing;
+    EXPECT_NE(ValidateJobSpec(spec).message().find("claims no interval"), std::string::npos);
+  }
+}
+
 TEST(NamesTest, AreParsedAsTheyArePrinted) {
-  for (const auto kind : {SamplerKind::kSobol, SamplerKind::kIndependent}) {
+  for (const auto kind :
+       {SamplerKind::kSobol, SamplerKind::kIndependent, SamplerKind::kHalton,
+        SamplerKind::kHaltonPlain, SamplerKind::kStratified, SamplerKind::kLatinHypercube,
+        SamplerKind::kPoissonDisk, SamplerKind::kDrand48}) {
     EXPECT_EQ(*ParseSamplerKind(ToString(kind)), kind);
+  }
+  for (const auto strategy :
+       {DirectStrategy::kMis, DirectStrategy::kLightOnly, DirectStrategy::kBsdfOnly,
+        DirectStrategy::kCosine, DirectStrategy::kUniform}) {
+    EXPECT_EQ(*ParseDirectStrategy(ToString(strategy)), strategy);
+  }
+  for (const auto kind :
+       {RouletteKind::kThroughput, RouletteKind::kOff, RouletteKind::kEfficiency}) {
+    EXPECT_EQ(*ParseRouletteKind(ToString(kind)), kind);
   }
   for (const auto kind : {KernelKind::kFast, KernelKind::kReference}) {
     EXPECT_EQ(*ParseKernelKind(ToString(kind)), kind);

@@ -21,6 +21,10 @@ TEST(ReplayCommand, SaysAllThatDecidesASample) {
             "strata replay scene.pbrt --pixel 4,5 --replicate 6 --sample 7 --seed 11 --frame 2 "
             "--resolution 640x480 --max-depth 3 --sampler independent "
             "--filter gaussian:1.5,0.1,0.3333333333333333");
+  spec.strategy = DirectStrategy::kUniform;
+  spec.roulette = RouletteKind::kEfficiency;
+  EXPECT_NE(ReplayCommand(spec, 4, 5, 6, 7).find(" --strategy uniform --roulette efficiency"),
+            std::string::npos);
 }
 
 TEST(ReplayCommand, NamesScenesAsAShellReadsThem) {

@@ -260,6 +260,18 @@ TEST_F(EstimateTest, SummaryFollowsItsDefinition) {
   EXPECT_GE(summary.worst_tiles[0].rel_error, summary.rel_error);
 }
 
+TEST_F(EstimateTest, WhereTheSamplerClaimsNoneThereIsNoInterval) {
+  Render();
+  const std::vector<PixelEstimate> claimed = Whole();
+  const std::vector<PixelEstimate> none =
+      Estimate(GatherEstimateInput(*film_, spec_.crop, SamplerKind::kHaltonPlain));
+  for (size_t i = 0; i < none.size(); ++i) {
+    EXPECT_EQ(none[i].mean[1], claimed[i].mean[1]);
+    EXPECT_EQ(none[i].ci95[1], std::numeric_limits<double>::infinity());
+    EXPECT_EQ(none[i].flags, claimed[i].flags | kFlagNoInterval);
+  }
+}
+
 TEST_F(EstimateTest, SummaryHasNoErrorUntilEveryPixelHasSamples) {
   Render();
   SummaryInput input(plan_->grid);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tests/light/lamp.h"
+#include "tests/light/light_scene.h"
 #include "tests/statistics/direction_test.h"
 #include "tests/statistics/random.h"
 
@@ -225,6 +226,89 @@ TEST(SkyDirections, FollowTheDensity) {
   ExpectDensity(
       "constant", [&](Vec2f u) { return std::optional(SampleLi(sky, {}, u)->wi); },
       [&](Vec3f w) { return PdfLi(sky, w); }, level, seed++);
+}
+
+// ---- portals ----
+
+/// A portal of 2 by 1, outwards along x, in a sunny sky.
+ImageInfiniteLightDescription PortalTo(const std::string& path) {
+  ImageInfiniteLightDescription light;
+  light.path = path;
+  light.to_world = Transform::Rotate(40, 1, 2, 3);
+  light.portal = {Vec3d{1, 0, 0}, {1, 0, 1}, {1, 2, 1}, {1, 2, 0}};
+  return light;
+}
+
+TEST(PortalDirections, FollowTheDensity) {
+  const LightFiles files;
+  files.WriteImage("sky.pfm", 32, 32, Sunny(32, 32));
+  const auto portal = PortalImage::Load(PortalTo("sky.pfm"), files.source());
+  ASSERT_TRUE(portal.ok()) << portal.status();
+  const PortalEnvironment light = {&*portal};
+  struct Case {
+    std::string name;
+    Vec3f from;
+  };
+  const std::vector<Case> cases = {{"before the middle", {0, 1, 0.5f}},
+                                   {"far", {-6, 3, -2}},
+                                   {"aside", {0.5f, 6, 4}},
+                                   {"near", {0.97f, 0.3f, 0.4f}}};
+  const double level = SidakLevel(kAlpha, static_cast<int>(cases.size()));
+  uint64_t seed = 200;
+  for (const Case& c : cases) {
+    ExpectDensity(
+        c.name,
+        [&](Vec2f u) {
+          const std::optional<LightSample> sample = SampleLi(light, c.from, u);
+          return sample ? std::optional(sample->wi) : std::nullopt;
+        },
+        [&](Vec3f w) { return PdfLi(light, c.from, w); }, level, seed++);
+  }
+}
+
+TEST(PortalDirections, GoThroughThePortal) {
+  const LightFiles files;
+  files.WriteImage("sky.pfm", 32, 32, Sunny(32, 32));
+  const auto portal = PortalImage::Load(PortalTo("sky.pfm"), files.source());
+  ASSERT_TRUE(portal.ok()) << portal.status();
+  const PortalEnvironment light = {&*portal};
+  TestRandom random(12);
+  int through = 0, past = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const Vec3f from = {4 * random.Float() - 2, 4 * random.Float() - 1, 3 * random.Float() - 1};
+    const std::optional<LightSample> sample = SampleLi(light, from, random.Float2());
+    EXPECT_EQ(sample.has_value(), from.x < 1);
+    const Vec3f w = SampleUniformSphere(random.Float2());
+    const float t = (1 - from.x) / w.x;
+    const Vec3f at = from + w * t;
+    const auto beyond = [](float x, float end) { return std::max(-x, x - end); };
+    const float outside = std::max(beyond(at.y, 2), beyond(at.z, 1));
+    if (from.x < 1 && w.x > 0 && outside < -1e-4f) {
+      ++through;
+      EXPECT_EQ(Le(light, from, w), Le(ImageEnvironment{&portal->sky}, w));
+      EXPECT_GT(PdfLi(light, from, w), 0);
+    } else if (!(from.x < 1 && w.x > 0 && outside < 1e-4f)) {
+      ++past;
+      EXPECT_TRUE(IsBlack(Le(light, from, w)));
+      EXPECT_EQ(PdfLi(light, from, w), 0);
+    }
+    if (!sample) continue;
+    const Vec3f hit = from + sample->wi * ((1 - from.x) / sample->wi.x);
+    EXPECT_LT(std::max(beyond(hit.y, 2), beyond(hit.z, 1)), 1e-4f);
+  }
+  EXPECT_GT(through, 500);
+  EXPECT_GT(past, 5000);
+}
+
+TEST(PortalDirections, NeedARectangle) {
+  const LightFiles files;
+  files.WriteImage("sky.pfm", 1, 1, {Rgb::Gray(1)});
+  ImageInfiniteLightDescription light = PortalTo("sky.pfm");
+  std::swap((*light.portal)[1], (*light.portal)[2]);
+  EXPECT_FALSE(PortalImage::Load(light, files.source()).ok());
+  light = PortalTo("sky.pfm");
+  for (Vec3d& corner : *light.portal) corner.y += 0.2 * corner.z;
+  EXPECT_FALSE(PortalImage::Load(light, files.source()).ok());
 }
 
 }  // namespace

@@ -102,6 +102,31 @@ TEST(ElementaryFloat, ExponentialAndLogarithm) {
   EXPECT_LE(UlpsOff<float>(Log(1e-42f), std::log(static_cast<long double>(1e-42f))), 2);
 }
 
+TEST(ElementaryFloat, ExponentialAndLogarithmAroundOne) {
+  double near = 0, far = 0, logarithm = 0;
+  for (int i = -4000; i <= 4000; ++i) {
+    const float x =
+        std::copysign(std::exp2(-std::fabs(static_cast<float>(i)) / 40.0f), static_cast<float>(i));
+    for (const float scale : {1.0f, 0.77f}) {
+      const float at = x * scale * 0.999f;
+      const long double exact = std::expm1(static_cast<long double>(at));
+      double& worst = std::fabs(at) < 1 / 3.0f ? near : far;
+      worst = std::max(worst, static_cast<double>(UlpsOff<float>(Expm1(at), exact)));
+      const long double log = std::log1p(static_cast<long double>(at));
+      logarithm = std::max(logarithm, static_cast<double>(UlpsOff<float>(Log1p(at), log)));
+    }
+  }
+  EXPECT_LE(near, 3);
+  EXPECT_LE(far, 8);
+  EXPECT_LE(logarithm, 4);
+  EXPECT_EQ(Expm1(0.0f), 0);
+  EXPECT_EQ(Expm1(-200.0f), -1);
+  EXPECT_EQ(Log1p(0.0f), 0);
+  EXPECT_EQ(Log1p(-1.0f), -kInfinity);
+  EXPECT_TRUE(std::isnan(Log1p(-1.5f)));
+  EXPECT_TRUE(std::isnan(Log1p(std::nanf(""))) && std::isnan(Expm1(std::nanf(""))));
+}
+
 TEST(ElementaryFloat, InverseFunctions) {
   const auto points = Grid<float>(-1, 1);
   EXPECT_LE(

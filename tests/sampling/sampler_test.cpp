@@ -8,6 +8,8 @@
 
 #include "tests/statistics/chi_square.h"
 #include "tests/statistics/random.h"
+#include "worker/sampling/block_samplers.h"
+#include "worker/sampling/halton.h"
 
 namespace strata {
 namespace {
@@ -64,7 +66,8 @@ TEST(SobolSamplerControl, IndependentPointsAreNoNet) {
 
 template <typename Sampler>
 class AnySampler : public testing::Test {};
-using Samplers = testing::Types<SobolSampler, IndependentSampler>;
+using Samplers = testing::Types<SobolSampler, IndependentSampler, HaltonSampler, StratifiedSampler,
+                                LatinHypercubeSampler, PoissonDiskSampler>;
 TYPED_TEST_SUITE(AnySampler, Samplers);
 
 TYPED_TEST(AnySampler, ValuesAreMultiplesOfTwoToMinus24BelowOne) {

@@ -28,6 +28,7 @@ JobSpec SpecOf(const RenderOptions& options) {
   spec.max_depth = options.max_depth;
   spec.seed = options.seed;
   spec.channels.depth = true;
+  spec.strategy = options.direct;
   return spec;
 }
 
@@ -48,7 +49,7 @@ Picture Render(std::shared_ptr<const Scene> scene, const RenderOptions& options)
   Picture picture;
   if (!scene) return picture;
   const JobSpec spec = SpecOf(options);
-  const auto renderer = Renderer::Create(std::move(scene), spec, options.direct);
+  const auto renderer = Renderer::Create(std::move(scene), spec);
   EXPECT_TRUE(renderer.ok()) << renderer.status();
   if (!renderer.ok()) return picture;
   const auto plan = std::make_shared<const RoundPlan>(PlanFirstRound(spec));

@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <string>
 
+#include "tests/pbrt/scene_folder.h"
+#include "tests/transport/kernels.h"
 #include "tests/transport/test_scene.h"
 
 // The fast kernel against the reference kernel: from the same random numbers nearly every sample is
@@ -57,6 +59,34 @@ TestScene OneOfEach() {
     scene.Sphere({x, 0.7f, 0}, 0.6f, scene.Material(material));
     x += 1.3f;
   }
+  // Mapped normals on a wall and a ball; a screen and a ball of which a part is there.
+  scene.description.textures.push_back(CheckerboardTexture{.a = scene.Texture({0.6f, 0.4f, 0.9f}),
+                                                           .b = scene.Texture({0.5f, 0.6f, 0.95f}),
+                                                           .mapping = {9, 9}});
+  const TextureId normals = static_cast<TextureId>(scene.description.textures.size()) - 1;
+  const auto mapped = [&](const MaterialDescription& description) {
+    const MaterialId material = scene.Material(description);
+    scene.description.surface_details[material] = {.normal_map = normals};
+    return material;
+  };
+  scene.Polygon({{3.9f, 0, 3}, {3.9f, 4, 3}, {3.9f, 4, -4}, {3.9f, 0, -4}},
+                mapped(DiffuseMaterial{half}));
+  scene.Sphere({0, 0.3f, -1.5f}, 0.3f,
+               mapped(ConductorMaterial{.reflectance = half, .roughness = alpha}));
+  scene.Polygon({{-1, 0.1f, -1.2f}, {1, 0.1f, -1.2f}, {1, 1, -1.2f}, {-1, 1, -1.2f}},
+                scene.Diffuse(0.4f));
+  scene.description.shapes.back().alpha.texture = half;
+  scene.Sphere({1.2f, 0.3f, -1.5f}, 0.3f, scene.Diffuse(0.5f));
+  scene.description.shapes.back().alpha.texture = checkerboard;
+  // A sum of lobes, one of them textured, on a ball.
+  const TextureId exponent = scene.Texture(Rgb::Gray(30));
+  scene.Sphere(
+      {-1.2f, 0.3f, -1.5f}, 0.3f,
+      scene.Material(MixMaterial{
+          .a = scene.Material(BlinnMaterial{.reflectance = half, .exponent = exponent}),
+          .b = scene.Material(AshikhminShirleyMaterial{checkerboard, rough, exponent, half}),
+          .amount = half,
+          .sum = true}));
   ObjectDescription& object = scene.description.objects.emplace_back();
   ShapeDescription& part = object.shapes.emplace_back();
   part.geometry = floor;
@@ -72,47 +102,23 @@ TestScene OneOfEach() {
   return scene;
 }
 
-Partial Render(const std::shared_ptr<const Scene>& scene, JobSpec spec, KernelKind kernel,
-               SampleRange range) {
-  spec.kernel = kernel;
-  const auto renderer = Renderer::Create(scene, spec);
-  EXPECT_TRUE(renderer.ok()) << renderer.status();
-  RenderPool pool(2);
-  return *(*renderer)->Render({{}, spec.crop, {range}}, pool);
-}
-
-/// The share of samples of which all channels agree within `tolerance`, relative to the greater of
-/// the value and 1e-3.
-double AgreeingShare(const std::shared_ptr<const Scene>& scene, const JobSpec& spec,
-                     double tolerance) {
-  int64_t samples = 0, agreeing = 0;
-  for (uint32_t index = 0; index < spec.spp / kReplicates; ++index) {
-    // Units of one sample of each replicate: its replicates' means are the samples.
-    const Partial fast = Render(scene, spec, KernelKind::kFast, {index, index + 1});
-    const Partial plain = Render(scene, spec, KernelKind::kReference, {index, index + 1});
-    for (int64_t pixel = 0; pixel < spec.crop.Pixels(); ++pixel) {
-      for (int r = 0; r < kReplicates; ++r) {
-        bool agrees = true;
-        for (int c = 0; c < 3; ++c) {
-          const int64_t at = pixel * fast.layout.Doubles() + fast.layout.Mean(r, c);
-          const double a = fast.values[at], b = plain.values[at];
-          agrees = agrees && std::abs(a - b) <= tolerance * std::max(std::abs(b), 1e-3);
-        }
-        ++samples;
-        agreeing += agrees;
-      }
-    }
-  }
-  return static_cast<double>(agreeing) / static_cast<double>(samples);
-}
-
 TEST(KernelTest, NearlyEverySampleIsTheSame) {
   const auto scene = BuildScene(OneOfEach());
   ASSERT_FALSE(scene->mirror_images().empty());
   JobSpec spec = TestSpec(48, 64, 12);
-  for (const SamplerKind sampler : {SamplerKind::kSobol, SamplerKind::kIndependent}) {
+  for (const SamplerKind sampler : kAllSamplers) {
     spec.sampler = sampler;
-    EXPECT_GE(AgreeingShare(scene, spec, 1e-5), 0.999);
+    EXPECT_GE(AgreeingShare(scene, spec, 1e-5), 0.999) << ToString(sampler);
+    spec.spp = 16;  // That is enough for the others.
+  }
+}
+
+TEST(KernelTest, NearlyEverySampleIsTheSameWithAnyRoulette) {
+  const auto scene = BuildScene(OneOfEach());
+  JobSpec spec = TestSpec(48, 16, 12);
+  for (const RouletteKind roulette : {RouletteKind::kOff, RouletteKind::kEfficiency}) {
+    spec.roulette = roulette;
+    EXPECT_GE(AgreeingShare(scene, spec, 1e-5), 0.999) << ToString(roulette);
   }
 }
 
@@ -127,12 +133,34 @@ TEST(KernelTest, LampsMayBeTextured) {
   EXPECT_GE(AgreeingShare(BuildScene(scene), TestSpec(48, 64, 12), 1e-5), 0.999);
 }
 
+TEST(KernelTest, LightsMayTakeFiles) {
+  const SceneFolder folder;
+  folder.Write("lamp.ies", "TILT=NONE\n1 -1 1 3 1 1 2 0 0 0 1 1 9\n0 60 120\n0\n9 7 1\n");
+  std::string slide = "PF\n2 2\n-1.0\n";
+  for (const float value : {1, 2, 3, 4, 5, 6, 7, 8, 9, 1, 2, 3})
+    slide.append(reinterpret_cast<const char*>(&value), sizeof(value));
+  folder.Write("slide.pfm", slide);
+  TestScene scene = OneOfEach();
+  scene.Light(
+      SpotLightDescription{{1, 3, -1}, Normalize(Vec3f{-0.3f, -1, 0.4f}), 40, 10, {9, 8, 7}});
+  scene.Light(ProjectionLightDescription{
+      "slide.pfm", *Transform::LookAt({2, 3, -3}, {0, 0, 1}, {0, 1, 0})->Inverse(), 40, 0.5f, {}});
+  scene.Light(GoniometricLightDescription{
+      "lamp.ies", Transform::Translate(0, 3, 2), {0.3f, 0.2f, 0.1f}, {}});
+  ImageInfiniteLightDescription sky;
+  sky.path = "slide.pfm";
+  sky.portal = {Vec3d{-2, 2, 2}, {-2, 4, 2}, {2, 4, 2}, {2, 2, 2}};
+  scene.Light(sky);
+  const auto built = BuildScene(scene, DirectorySource(folder.root()));
+  EXPECT_GE(AgreeingShare(built, TestSpec(48, 64, 12), 1e-5), 0.999);
+}
+
 TEST(KernelTest, ChannelsAreTheSame) {
   const auto scene = BuildScene(OneOfEach());
   JobSpec spec = TestSpec(32, 32, 3);
   spec.channels = {.alpha = true, .albedo = true, .normal = true, .depth = true};
-  const Partial fast = Render(scene, spec, KernelKind::kFast, {0, 4});
-  const Partial plain = Render(scene, spec, KernelKind::kReference, {0, 4});
+  const Partial fast = RenderBy(scene, spec, KernelKind::kFast, {0, 4});
+  const Partial plain = RenderBy(scene, spec, KernelKind::kReference, {0, 4});
   int differing = 0;
   for (int64_t pixel = 0; pixel < spec.crop.Pixels(); ++pixel) {
     for (int i = 0; i < fast.layout.plain; ++i) {
@@ -147,9 +175,9 @@ TEST(KernelTest, ChannelsAreTheSame) {
 TEST(KernelTest, MeansAgree) {
   const auto scene = BuildScene(OneOfEach());
   JobSpec spec = TestSpec(24, 512, 12);
-  const Estimate fast = FrameMean(Render(scene, spec, KernelKind::kFast, {0, 64}), 1);
+  const Estimate fast = FrameMean(RenderBy(scene, spec, KernelKind::kFast, {0, 64}), 1);
   spec.seed = 8;
-  const Estimate plain = FrameMean(Render(scene, spec, KernelKind::kReference, {0, 64}), 1);
+  const Estimate plain = FrameMean(RenderBy(scene, spec, KernelKind::kReference, {0, 64}), 1);
   EXPECT_TRUE(Agree(fast, plain)) << fast.mean << " +- " << fast.standard_error << ", reference "
                                   << plain.mean << " +- " << plain.standard_error;
   EXPECT_FALSE(Agree({fast.mean * 1.03, fast.standard_error}, plain));

@@ -82,9 +82,13 @@ std::shared_ptr<const Scene> BuildScene(const TestScene& scene, const FileSource
   return *built;
 }
 
-Partial RenderFrame(std::shared_ptr<const Scene> scene, const JobSpec& spec,
-                    DirectStrategy direct) {
-  auto renderer = Renderer::Create(std::move(scene), spec, direct);
+Partial RenderFrame(std::shared_ptr<const Scene> scene, JobSpec spec, DirectStrategy strategy) {
+  spec.strategy = strategy;
+  return RenderFrame(std::move(scene), spec);
+}
+
+Partial RenderFrame(std::shared_ptr<const Scene> scene, const JobSpec& spec) {
+  auto renderer = Renderer::Create(std::move(scene), spec);
   EXPECT_TRUE(renderer.ok()) << renderer.status();
   RenderPool pool(2);
   auto partial = (*renderer)->Render({{}, spec.crop, {{0, spec.spp / kReplicates}}}, pool);

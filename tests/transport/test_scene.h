@@ -38,6 +38,11 @@ class TestScene {
 
 AreaEmission Emits(float radiance, bool two_sided = false);
 
+inline constexpr SamplerKind kAllSamplers[] = {
+    SamplerKind::kSobol,       SamplerKind::kIndependent, SamplerKind::kHalton,
+    SamplerKind::kHaltonPlain, SamplerKind::kStratified,  SamplerKind::kLatinHypercube,
+    SamplerKind::kPoissonDisk, SamplerKind::kDrand48};
+
 /// A square frame with the box filter and the default sampler.
 JobSpec TestSpec(int size, uint32_t spp, int max_depth);
 
@@ -46,9 +51,9 @@ std::shared_ptr<const Scene> BuildScene(const TestScene& scene,
                                         const FileSource& source = DirectorySource("."),
                                         const LightOptions& lights = {});
 
-/// A frame rendered as one unit.
-Partial RenderFrame(std::shared_ptr<const Scene> scene, const JobSpec& spec,
-                    DirectStrategy direct = DirectStrategy::kMis);
+/// A frame rendered as one unit; the second by a strategy, whatever `spec` says.
+Partial RenderFrame(std::shared_ptr<const Scene> scene, const JobSpec& spec);
+Partial RenderFrame(std::shared_ptr<const Scene> scene, JobSpec spec, DirectStrategy strategy);
 
 /// A mean with its standard error, which has so many degrees of freedom (7 for each pixel) that it
 /// may be taken as normal.

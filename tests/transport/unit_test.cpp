@@ -59,14 +59,16 @@ bool SameBits(const std::vector<double>& a, const std::vector<double>& b) {
 TEST(UnitTest, SameBitsForAnyTileAndThreads) {
   JobSpec spec = TestSpec(40, 32, 6);
   spec.channels = {.alpha = true, .albedo = true, .normal = true, .depth = true};
-  for (const SamplerKind sampler : {SamplerKind::kSobol, SamplerKind::kIndependent}) {
+  for (const SamplerKind sampler : kAllSamplers) {
     spec.sampler = sampler;
+    spec.roulette =
+        sampler == SamplerKind::kHalton ? RouletteKind::kEfficiency : RouletteKind::kThroughput;
     spec.filter = DefaultFilter(FilterKind::kMitchell);
     const auto renderer = MakeRenderer(spec);
     const std::vector<double> whole = RenderTiled(*renderer, spec, 40, 1);
     for (const auto& [tile, threads] : {std::pair{8, 1}, {16, 4}, {33, 3}, {40, 7}})
       EXPECT_TRUE(SameBits(whole, RenderTiled(*renderer, spec, tile, threads)))
-          << "tile " << tile << ", " << threads << " threads";
+          << ToString(sampler) << ": tile " << tile << ", " << threads << " threads";
   }
 }
 

@@ -35,6 +35,8 @@ TEST(Malformed, JobSpecs) {
        [](auto& m) { m.mutable_bundle()->mutable_files(1)->set_digest("short"); }},
       {"spec.sampler", [](auto& m) { m.clear_sampler(); }},
       {"spec.sampler", [](auto& m) { m.set_sampler(static_cast<v1::SamplerKind>(99)); }},
+      {"spec.strategy", [](auto& m) { m.set_strategy(static_cast<v1::DirectStrategy>(99)); }},
+      {"spec.roulette", [](auto& m) { m.set_roulette(static_cast<v1::RouletteKind>(99)); }},
       {"spec.kernel", [](auto& m) { m.clear_kernel(); }},
       {"spec.kernel", [](auto& m) { m.set_kernel(static_cast<v1::KernelKind>(99)); }},
       {"spec.filter.kind", [](auto& m) { m.clear_filter(); }},

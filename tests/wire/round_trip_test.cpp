@@ -47,8 +47,23 @@ TEST(RoundTrip, JobSpec) {
   EXPECT_EQ(*back, spec);
 }
 
+/// Clients, and jobs kept on disk, of before there was a choice.
+TEST(RoundTrip, JobsThatNameNoStrategyAndNoRouletteHaveTheDefaults) {
+  v1::JobSpec message;
+  wire::ToWire(SampleSpec(), &message);
+  message.clear_strategy();
+  message.clear_roulette();
+  const absl::StatusOr<JobSpec> spec = wire::FromWire(message);
+  ASSERT_TRUE(spec.ok()) << spec.status();
+  EXPECT_EQ(spec->strategy, DirectStrategy::kMis);
+  EXPECT_EQ(spec->roulette, RouletteKind::kThroughput);
+}
+
 TEST(RoundTrip, EveryEnumValue) {
-  for (const SamplerKind sampler : {SamplerKind::kSobol, SamplerKind::kIndependent}) {
+  for (const SamplerKind sampler :
+       {SamplerKind::kSobol, SamplerKind::kIndependent, SamplerKind::kHalton,
+        SamplerKind::kHaltonPlain, SamplerKind::kStratified, SamplerKind::kLatinHypercube,
+        SamplerKind::kPoissonDisk, SamplerKind::kDrand48}) {
     for (const FilterKind filter :
          {FilterKind::kBox, FilterKind::kTriangle, FilterKind::kGaussian, FilterKind::kMitchell}) {
       JobSpec spec = SampleSpec();
@@ -58,6 +73,23 @@ TEST(RoundTrip, EveryEnumValue) {
       wire::ToWire(spec, &message);
       EXPECT_EQ(*wire::FromWire(message), spec);
     }
+  }
+  for (const DirectStrategy strategy :
+       {DirectStrategy::kMis, DirectStrategy::kLightOnly, DirectStrategy::kBsdfOnly,
+        DirectStrategy::kCosine, DirectStrategy::kUniform}) {
+    JobSpec spec = SampleSpec();
+    spec.strategy = strategy;
+    v1::JobSpec message;
+    wire::ToWire(spec, &message);
+    EXPECT_EQ(*wire::FromWire(message), spec);
+  }
+  for (const RouletteKind roulette :
+       {RouletteKind::kThroughput, RouletteKind::kOff, RouletteKind::kEfficiency}) {
+    JobSpec spec = SampleSpec();
+    spec.roulette = roulette;
+    v1::JobSpec message;
+    wire::ToWire(spec, &message);
+    EXPECT_EQ(*wire::FromWire(message), spec);
   }
   for (const KernelKind kernel : {KernelKind::kFast, KernelKind::kReference}) {
     JobSpec spec = SampleSpec();

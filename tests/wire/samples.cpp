@@ -16,6 +16,8 @@ JobSpec SampleSpec() {
   spec.max_depth = 12;
   spec.sampler = SamplerKind::kIndependent;
   spec.kernel = KernelKind::kReference;
+  spec.strategy = DirectStrategy::kCosine;
+  spec.roulette = RouletteKind::kEfficiency;
   spec.filter = {FilterKind::kMitchell, 2.5, 1.5, 0.75, 0.25, 0.4};
   spec.spp = 128;
   spec.allocation = AllocationKind::kRing;

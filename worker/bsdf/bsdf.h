@@ -5,6 +5,8 @@
 
 #include "worker/math/vec.h"
 
+#include "worker/bsdf/ashikhmin_shirley.h"
+#include "worker/bsdf/blinn.h"
 #include "worker/bsdf/coated_conductor.h"
 #include "worker/bsdf/coated_diffuse.h"
 #include "worker/bsdf/conductor.h"
@@ -12,6 +14,7 @@
 #include "worker/bsdf/diffuse.h"
 #include "worker/bsdf/diffuse_transmission.h"
 #include "worker/bsdf/metallic_roughness.h"
+#include "worker/bsdf/mixture.h"
 #include "worker/bsdf/thin_dielectric.h"
 
 // How a point of a surface scatters light. Each kind is a plain struct with free inline functions
@@ -22,6 +25,7 @@
 //   BsdfValue EvalPdf(const X&, Vec3f wo, Vec3f wi) both, where that saves work; optional
 //   std::optional<BsdfSample> Sample(const X&, Vec3f wo, float u_lobe, Vec2f u)
 //   bool IsDelta(const X&)                          all of it is delta: light sampling is in vain
+//   bool HasDelta(const X&)                         some of it is delta; optional: maybe
 //   Rgb Albedo(const X&, Vec3f wo)                  directional albedo, approximate, for a channel
 //
 // Directions are local (z = shading normal), unit, and point away from the surface. Transport is of
@@ -29,9 +33,9 @@
 
 namespace strata {
 
-using Bsdf =
-    std::variant<DiffuseBsdf, ConductorBsdf, DielectricBsdf, ThinDielectricBsdf, CoatedDiffuseBsdf,
-                 CoatedConductorBsdf, DiffuseTransmissionBsdf, MetallicRoughnessBsdf>;
+using Bsdf = std::variant<DiffuseBsdf, ConductorBsdf, DielectricBsdf, ThinDielectricBsdf,
+                          CoatedDiffuseBsdf, CoatedConductorBsdf, DiffuseTransmissionBsdf,
+                          BlinnBsdf, AshikhminShirleyBsdf, MetallicRoughnessBsdf, MixtureBsdf>;
 
 inline Rgb Eval(const Bsdf& bsdf, Vec3f wo, Vec3f wi) {
   return std::visit([&](const auto& b) { return Eval(b, wo, wi); }, bsdf);
@@ -53,8 +57,17 @@ inline std::optional<BsdfSample> Sample(const Bsdf& bsdf, Vec3f wo, float u_lobe
 inline bool IsDelta(const Bsdf& bsdf) {
   return std::visit([](const auto& b) { return IsDelta(b); }, bsdf);
 }
+/// For kinds that do not say.
+template <typename X>
+bool HasDelta(const X&) {
+  return true;
+}
+inline bool HasDelta(const Bsdf& bsdf) {
+  return std::visit([](const auto& b) { return HasDelta(b); }, bsdf);
+}
 /// Whether light may pass through the surface.
 inline bool Transmits(const Bsdf& bsdf) {
+  if (const auto* mixture = std::get_if<MixtureBsdf>(&bsdf)) return Transmits(*mixture);
   if (const auto* b = std::get_if<MetallicRoughnessBsdf>(&bsdf)) return !IsBlack(b->transmission);
   return std::holds_alternative<DielectricBsdf>(bsdf) ||
          std::holds_alternative<ThinDielectricBsdf>(bsdf) ||

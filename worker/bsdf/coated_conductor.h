@@ -104,6 +104,9 @@ struct CoatedConductorBsdf {
 };
 
 inline bool IsDelta(const CoatedConductorBsdf& bsdf) { return bsdf.metal.IsSmooth(); }
+inline bool HasDelta(const CoatedConductorBsdf& bsdf) {
+  return bsdf.coat.IsSmooth() || IsDelta(bsdf);
+}
 
 namespace coated_conductor_detail {
 

@@ -49,6 +49,7 @@ struct CoatedDiffuseBsdf {
 inline bool IsDelta(const CoatedDiffuseBsdf& bsdf) {
   return bsdf.coat.IsSmooth() && IsBlack(bsdf.base);
 }
+inline bool HasDelta(const CoatedDiffuseBsdf& bsdf) { return bsdf.coat.IsSmooth(); }
 
 namespace coated_diffuse_detail {
 

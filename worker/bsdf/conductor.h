@@ -17,6 +17,7 @@ struct ConductorBsdf {
 };
 
 inline bool IsDelta(const ConductorBsdf& bsdf) { return bsdf.ggx.IsSmooth(); }
+inline bool HasDelta(const ConductorBsdf& bsdf) { return IsDelta(bsdf); }
 
 inline Rgb Eval(const ConductorBsdf& bsdf, Vec3f wo, Vec3f wi) {
   if (!(wo.z * wi.z > 0) || bsdf.ggx.IsSmooth()) return {};

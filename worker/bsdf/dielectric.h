@@ -57,6 +57,7 @@ inline Meeting Meet(const DielectricBsdf& bsdf, Vec3f wo, Vec3f wi) {
 }  // namespace dielectric_detail
 
 inline bool IsDelta(const DielectricBsdf& bsdf) { return bsdf.IsSmooth(); }
+inline bool HasDelta(const DielectricBsdf& bsdf) { return IsDelta(bsdf); }
 
 inline Rgb Eval(const DielectricBsdf& bsdf, Vec3f wo, Vec3f wi) {
   if (bsdf.IsSmooth()) return {};

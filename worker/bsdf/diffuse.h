@@ -14,6 +14,7 @@ struct DiffuseBsdf {
 };
 
 inline bool IsDelta(const DiffuseBsdf&) { return false; }
+inline bool HasDelta(const DiffuseBsdf&) { return false; }
 
 inline Rgb Eval(const DiffuseBsdf& bsdf, Vec3f wo, Vec3f wi) {
   if (!(wo.z * wi.z > 0)) return {};

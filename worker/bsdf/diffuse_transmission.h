@@ -21,6 +21,7 @@ struct DiffuseTransmissionBsdf {
 };
 
 inline bool IsDelta(const DiffuseTransmissionBsdf&) { return false; }
+inline bool HasDelta(const DiffuseTransmissionBsdf&) { return false; }
 
 inline Rgb Eval(const DiffuseTransmissionBsdf& bsdf, Vec3f wo, Vec3f wi) {
   const float sides = wo.z * wi.z;

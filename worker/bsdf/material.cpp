@@ -22,6 +22,8 @@ bool IsIsotropicMaterial(const MaterialDescription& material, const TextureSet& 
   if (const auto* m = std::get_if<CoatedDiffuseMaterial>(&material)) return even(m->roughness);
   if (const auto* m = std::get_if<CoatedConductorMaterial>(&material))
     return even(m->interface_roughness) && even(m->conductor_roughness);
+  if (const auto* m = std::get_if<AshikhminShirleyMaterial>(&material))
+    return even({m->u_exponent, m->v_exponent});
   return !std::holds_alternative<MixMaterial>(material);
 }
 
@@ -74,6 +76,14 @@ bool MixesEnd(const std::vector<MaterialDescription>& materials, MaterialId id,
   return ends;
 }
 
+/// How many BSDFs a point of the material may be the sum of.
+int MostParts(const std::vector<MaterialDescription>& materials, MaterialId id) {
+  const auto* mix = std::get_if<MixMaterial>(&materials[id]);
+  if (!mix) return 1;
+  const int a = MostParts(materials, mix->a), b = MostParts(materials, mix->b);
+  return std::min(mix->sum ? a + b : std::max(a, b), MixtureParts::kMax + 1);
+}
+
 Rgb Clamp01(Rgb c) {
   return {std::clamp(c.r, 0.0f, 1.0f), std::clamp(c.g, 0.0f, 1.0f), std::clamp(c.b, 0.0f, 1.0f)};
 }
@@ -106,6 +116,13 @@ struct Lookup {
     };
     const float u = alpha(roughness.u);
     return Ggx::FromAlpha(u, roughness.v == roughness.u ? u : alpha(roughness.v));
+  }
+
+  /// Beyond the largest a lobe is narrower than directions are exact.
+  float Exponent(TextureId id) const {
+    constexpr float kLargest = 1e6f;
+    const float exponent = Color(id).r;
+    return exponent > 0 ? std::min(exponent, kLargest) : 0;
   }
 
   struct Metal {
@@ -156,6 +173,15 @@ struct Lookup {
     return DiffuseTransmissionBsdf{Clamp01(Color(m.reflectance) * m.scale),
                                    Clamp01(Color(m.transmittance) * m.scale)};
   }
+  Bsdf operator()(const BlinnMaterial& m) const {
+    const Metal metal = MetalIndex(m.eta, m.k, m.reflectance);
+    return BlinnBsdf{metal.eta, metal.k, Exponent(m.exponent)};
+  }
+  Bsdf operator()(const AshikhminShirleyMaterial& m) const {
+    return AshikhminShirleyBsdf{Reflectance(m.reflectance),
+                                Reflectance(m.specular),
+                                {Exponent(m.u_exponent), Exponent(m.v_exponent)}};
+  }
   Bsdf operator()(const MetallicRoughnessMaterial& m) const {
     const float roughness = FractionOr(m.roughness, 1);
     const float coat_roughness = FractionOr(m.coat_roughness, 0);
@@ -181,7 +207,8 @@ struct Lookup {
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<MaterialSet>> MaterialSet::Build(
-    std::vector<MaterialDescription> materials, const TextureSet& textures) {
+    std::vector<MaterialDescription> materials, const TextureSet& textures,
+    const std::map<MaterialId, SurfaceDetail>& details) {
   std::unique_ptr<MaterialSet> set(new MaterialSet(textures));
   const auto count = static_cast<MaterialId>(materials.size());
   const auto error = [](MaterialId id, const std::string& problem) {
@@ -199,6 +226,9 @@ absl::StatusOr<std::unique_ptr<MaterialSet>> MaterialSet::Build(
   std::vector<Visit> seen(materials.size(), Visit::kNever);
   for (MaterialId id = 0; id < count; ++id) {
     if (!MixesEnd(materials, id, seen)) return error(id, "the mix contains itself");
+    if (MostParts(materials, id) > MixtureParts::kMax)
+      return error(id, absl::StrCat("the sum has more than ", MixtureParts::kMax,
+                                    " parts, with those of its materials"));
     if (const float eta = CoatEta(materials[id]); eta != 0) set->coats_.try_emplace(eta, eta);
     if (const auto* m = std::get_if<CoatedConductorMaterial>(&materials[id]);
         m && !set->trapped_light_.contains(m->interface_eta)) {
@@ -210,7 +240,7 @@ absl::StatusOr<std::unique_ptr<MaterialSet>> MaterialSet::Build(
   set->materials_ = std::move(materials);
   for (const MaterialDescription& material : set->materials_) {
     Entry entry;
-    entry.isotropic = IsIsotropicMaterial(material, textures);
+    entry.plain_frame = IsIsotropicMaterial(material, textures);
     entry.constant = !std::holds_alternative<MixMaterial>(material);
     ForEachTexture(material, [&](TextureId id) {
       if (id != kNoTexture && !textures.IsConstant(id)) entry.constant = false;
@@ -221,21 +251,82 @@ absl::StatusOr<std::unique_ptr<MaterialSet>> MaterialSet::Build(
           material);
     set->entries_.push_back(entry);
   }
+  STRATA_RETURN_IF_ERROR(set->SetDetails(details));
   return set;
 }
 
-Bsdf MaterialSet::EvaluateTextured(MaterialId id, Vec2f uv, Vec3f p, float u_mix) const {
+absl::Status MaterialSet::SetDetails(const std::map<MaterialId, SurfaceDetail>& details) {
+  for (const auto& [id, detail] : details) {
+    if (id < 0 || static_cast<size_t>(id) >= entries_.size())
+      return absl::InvalidArgumentError(absl::StrCat("there is a normal or bump map for material ",
+                                                     id, ", which does not exist"));
+    const auto* mix = std::get_if<MixMaterial>(&materials_[id]);
+    if (!detail.Any() || (mix && !mix->sum)) continue;
+    entries_[id].detail = detail;
+    entries_[id].has_detail = true;
+    entries_[id].plain_frame = false;
+  }
+  // Mixes of mixes may stand in any order; they are no deeper than there are materials.
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (size_t id = 0; id < materials_.size(); ++id) {
+      const auto* mix = std::get_if<MixMaterial>(&materials_[id]);
+      if (!mix || mix->sum || entries_[id].has_detail) continue;
+      entries_[id].has_detail = entries_[mix->a].has_detail || entries_[mix->b].has_detail;
+      changed |= entries_[id].has_detail;
+    }
+  }
+  return absl::OkStatus();
+}
+
+SurfacePoint MaterialSet::WithDetail(const SurfacePoint& point,
+                                     const SurfaceDerivatives& derivatives, Vec3f wo,
+                                     float u_mix) const {
+  const MaterialId id = Choose(point.material, point.uv, point.p, u_mix).id;
+  const std::optional<SurfaceDetail>& detail = entries_[id].detail;
+  return detail ? ApplyDetail(*detail, textures_, derivatives, point, wo) : point;
+}
+
+MaterialSet::Choice MaterialSet::Choose(MaterialId id, Vec2f uv, Vec3f p, float u_mix) const {
   while (const auto* mix = std::get_if<MixMaterial>(&materials_[id])) {
+    if (mix->sum) break;
     const float amount = std::clamp(textures_.Eval(mix->amount, uv, p).r, 0.0f, 1.0f);
     const bool second = u_mix < amount;
     // The rest of the number serves the next mix.
     u_mix = second ? u_mix / amount : (u_mix - amount) / (1 - amount);
     id = second ? mix->b : mix->a;
   }
+  return {id, u_mix};
+}
+
+Bsdf MaterialSet::MakeBsdf(MaterialId id, Vec2f uv, Vec3f p) const {
   const Entry& entry = entries_[id];
   if (entry.constant) return entry.bsdf;
   return std::visit(Lookup{textures_, coats_, trapped_light_, schlick_.get(), uv, p},
                     materials_[id]);
+}
+
+void MaterialSet::AddParts(MaterialId id, float weight, Vec2f uv, Vec3f p, float u_mix,
+                           MixtureParts* parts) const {
+  if (!(weight > 0)) return;
+  const Choice choice = Choose(id, uv, p, u_mix);
+  const auto* sum = std::get_if<MixMaterial>(&materials_[choice.id]);
+  if (!sum) return parts->Add(MakeBsdf(choice.id, uv, p), weight);
+  const float amount = std::clamp(textures_.Eval(sum->amount, uv, p).r, 0.0f, 1.0f);
+  AddParts(sum->a, weight * (1 - amount), uv, p, choice.u_mix, parts);
+  AddParts(sum->b, weight * amount, uv, p, choice.u_mix, parts);
+}
+
+const Bsdf& MaterialSet::Evaluate(MaterialId id, Vec2f uv, Vec3f p, float u_mix,
+                                  BsdfRoom* room) const {
+  const Choice choice = Choose(id, uv, p, u_mix);
+  if (entries_[choice.id].constant) return entries_[choice.id].bsdf;
+  if (!std::holds_alternative<MixMaterial>(materials_[choice.id]))
+    return room->bsdf = MakeBsdf(choice.id, uv, p);
+  room->parts.count = 0;
+  AddParts(choice.id, 1, uv, p, choice.u_mix, &room->parts);
+  if (room->parts.count == 1) return room->bsdf = room->parts.bsdfs[0];
+  return room->bsdf = MixtureBsdf{&room->parts};
 }
 
 }  // namespace strata

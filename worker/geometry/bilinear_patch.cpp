@@ -37,6 +37,28 @@ int LineRoots(const BilinearPatchSurface& patch, Vec3d origin, Vec3d direction, 
   return count;
 }
 
+/// The texture coordinates (s, t) by the parameters (u, v).
+struct UvJacobian {
+  double dsdu, dsdv, dtdu, dtdv, determinant;
+
+  UvJacobian(const BilinearPatchSurface& patch, double u, double v) {
+    const auto& uv = patch.uv;
+    dsdu = (1 - v) * (uv[1].x - uv[0].x) + v * (uv[3].x - uv[2].x);
+    dsdv = (1 - u) * (uv[2].x - uv[0].x) + u * (uv[3].x - uv[1].x);
+    dtdu = (1 - v) * (uv[1].y - uv[0].y) + v * (uv[3].y - uv[2].y);
+    dtdv = (1 - u) * (uv[2].y - uv[0].y) + u * (uv[3].y - uv[1].y);
+    determinant = dsdu * dtdv - dsdv * dtdu;
+  }
+  /// The derivatives by s and by t of what has these by u and v; those themselves where (s, t) do
+  /// not determine a place.
+  Vec3d AlongU(Vec3d du, Vec3d dv) const {
+    return determinant == 0 ? du : (du * dtdv - dv * dtdu) * (1 / determinant);
+  }
+  Vec3d AlongV(Vec3d du, Vec3d dv) const {
+    return determinant == 0 ? dv : (dv * dsdu - du * dsdv) * (1 / determinant);
+  }
+};
+
 /// Area per unit of (u, v) at the corners; between them it is about bilinear.
 std::array<double, 4> CornerWeights(const BilinearPatchSurface& patch) {
   const auto weight = [&](double u, double v) {
@@ -61,7 +83,7 @@ std::optional<SurfaceHit> Intersect(const BilinearPatchSurface& patch, const Sur
   std::optional<SurfaceHit> nearest;
   for (int i = 0; i < count; ++i) {
     const auto [t, u, v] = roots[i];
-    if (!(u >= 0 && u <= 1 && v >= 0 && v <= 1 && t > 0 && t < ray.t_max)) continue;
+    if (!(u >= 0 && u <= 1 && v >= 0 && v <= 1 && t > ray.t_min && t < ray.t_max)) continue;
     if (!nearest || t < nearest->t) nearest = SurfaceHit{t, patch.PointAt(u, v), u, v};
   }
   return nearest;
@@ -84,12 +106,7 @@ LocalPoint PointAt(const BilinearPatchSurface& patch, const SurfaceHit& hit) {
   const auto& uv = patch.uv;
   point.uv = {interpolate(uv[0].x, uv[1].x, uv[2].x, uv[3].x),
               interpolate(uv[0].y, uv[1].y, uv[2].y, uv[3].y)};
-  const double dsdu = (1 - v) * (uv[1].x - uv[0].x) + v * (uv[3].x - uv[2].x);
-  const double dsdv = (1 - u) * (uv[2].x - uv[0].x) + u * (uv[3].x - uv[1].x);
-  const double dtdu = (1 - v) * (uv[1].y - uv[0].y) + v * (uv[3].y - uv[2].y);
-  const double dtdv = (1 - u) * (uv[2].y - uv[0].y) + u * (uv[3].y - uv[1].y);
-  const double determinant = dsdu * dtdv - dsdv * dtdu;
-  point.dpdu = determinant == 0 ? dpdu : (dpdu * dtdv - dpdv * dtdu) * (1 / determinant);
+  point.dpdu = UvJacobian(patch, u, v).AlongU(dpdu, dpdv);
 
   point.ns = point.ng;
   if (patch.has_normals) {
@@ -97,6 +114,29 @@ LocalPoint PointAt(const BilinearPatchSurface& patch, const SurfaceHit& hit) {
     if (Dot(ns, ns) > 1e-8) point.ns = Normalize(ns);
   }
   return point;
+}
+
+/// How the normal turns is known of vertex normals alone; the patch's own twist counts as none.
+LocalDerivatives DerivativesAt(const BilinearPatchSurface& patch, const SurfaceHit& hit) {
+  const double u = hit.u, v = hit.v;
+  const UvJacobian uvs(patch, u, v);
+  const Vec3d dpdu = patch.DpDu(v), dpdv = patch.DpDv(u);
+  LocalDerivatives d;
+  d.dpdu = uvs.AlongU(dpdu, dpdv);
+  d.dpdv = uvs.AlongV(dpdu, dpdv);
+  if (!patch.has_normals) return d;
+  const Vec3d* n = patch.n;
+  const Vec3d ns = Lerp(v, Lerp(u, n[0], n[1]), Lerp(u, n[2], n[3]));
+  const double length2 = Dot(ns, ns);
+  if (!(length2 > 1e-8)) return d;
+  const Vec3d dndu = Lerp(v, n[1] - n[0], n[3] - n[2]), dndv = Lerp(u, n[2] - n[0], n[3] - n[1]);
+  // Of the unit vector along ns.
+  const auto turn = [&](Vec3d dn) {
+    return (dn - ns * (Dot(ns, dn) / length2)) * (1 / std::sqrt(length2));
+  };
+  d.dndu = turn(uvs.AlongU(dndu, dndv));
+  d.dndv = turn(uvs.AlongV(dndu, dndv));
+  return d;
 }
 
 LocalPoint SampleArea(const BilinearPatchSurface& patch, Vec2d sample) {

@@ -7,6 +7,7 @@
 
 #include "worker/geometry/builder.h"
 #include "worker/geometry/geometry.h"
+#include "worker/geometry/moving_instance.h"
 #include "worker/geometry/state.h"
 
 namespace strata {
@@ -14,70 +15,35 @@ namespace {
 
 bool Emits(const ShapeDescription& shape) { return shape.emission.has_value(); }
 
-/// Embree inverts an instance's matrix in float, by cofactors over the determinant, and takes each
-/// ray's origin through the result. Bounds the error of that, element by element (PBRT 6.8.1), and
-/// maps it back to the world.
-void SetOriginError(Instance* instance) {
-  const auto& m = instance->placement.to_world;
-  const auto& inverse = instance->placement.to_object;
-  double determinant_terms = 0;
-  double cofactor_terms[3][3];
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column) {
-      const int r1 = (column + 1) % 3, r2 = (column + 2) % 3;
-      const int c1 = (row + 1) % 3, c2 = (row + 2) % 3;
-      cofactor_terms[row][column] =
-          std::abs(m[r1][c1] * m[r2][c2]) + std::abs(m[r1][c2] * m[r2][c1]);
-    }
-  }
-  for (int i = 0; i < 3; ++i) determinant_terms += std::abs(m[i][0]) * cofactor_terms[0][i];
-  const double determinant = std::abs(instance->placement.determinant);
-  double error[3][3];
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column) {
-      error[row][column] =
-          Gamma(8) * (cofactor_terms[row][column] / determinant +
-                      std::abs(inverse[row][column]) * (1 + determinant_terms / determinant));
-    }
-  }
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column) {
-      instance->origin_error[row][column] = 0;
-      for (int k = 0; k < 3; ++k)
-        instance->origin_error[row][column] += std::abs(m[row][k]) * error[k][column];
-    }
-  }
-}
-
-/// The transform as Embree will hold it.
-Transform RoundedToFloat(Transform transform) {
-  for (auto& row : transform.m) {
-    for (double& element : row) element = static_cast<float>(element);
-  }
-  return transform;
-}
-
 Box BoundsOf(const ShapeGroup& group) {
   Box box;
-  for (const TriangleSet::Triangle& triangle : group.triangles.triangles) {
-    for (const uint32_t vertex : triangle.vertices)
-      box.Include(ToDouble(group.triangles.positions[vertex]));
+  for (const TriangleSet* set : {&group.triangles, &group.masked}) {
+    for (const TriangleSet::Triangle& triangle : set->triangles) {
+      for (const uint32_t vertex : triangle.vertices) box.Include(ToDouble(set->positions[vertex]));
+    }
   }
   for (const CurvedShape& shape : group.curved) {
     box.Include(BoundsOf(shape));
   }
+  box.Include(BoundsOf(group.curves));
   return box;
 }
 
-Box BoundsOf(const Instance& instance, const Box& object) {
+/// `motion` is null if the instance does not move.
+Box BoundsOf(const Instance& instance, const InstanceMotion* motion, const Box& object) {
   Box box;
   if (object.Empty()) return box;
-  for (const Vec3d& corner : object.Corners())
-    box.Include(Placement::Point(instance.placement.to_world, corner));
+  const auto include = [&](const Placement::Rows& to_world) {
+    for (const Vec3d& corner : object.Corners()) box.Include(Placement::Point(to_world, corner));
+  };
+  include(instance.placement.to_world);
+  if (motion) {
+    for (const Placement::Rows& step : motion->steps) include(step);
+  }
   return box;
 }
 
-/// Frees what growing left over and pads the positions for Embree.
+/// Frees what growing left over and pads positions, and normals of curves, for Embree.
 void Finish(TriangleSet* set) {
   set->positions.emplace_back();
   set->positions.shrink_to_fit();
@@ -85,6 +51,21 @@ void Finish(TriangleSet* set) {
   set->uvs.shrink_to_fit();
   set->triangles.shrink_to_fit();
   set->shapes.shrink_to_fit();
+}
+
+bool HasAlpha(const ShapeGroup& group) {
+  return !group.masked.triangles.empty() ||
+         std::any_of(group.curved.begin(), group.curved.end(),
+                     [](const CurvedShape& shape) { return shape.alpha.texture != kNoTexture; });
+}
+
+void Finish(CurveSets* sets) {
+  for (CurveSet& set : *sets) {
+    if (!set.normals.empty()) set.normals.emplace_back();
+    set.vertices.shrink_to_fit();
+    set.normals.shrink_to_fit();
+    set.segments.shrink_to_fit();
+  }
 }
 
 absl::Status CheckDevice(RTCDevice device, const std::string& doing) {
@@ -118,7 +99,8 @@ absl::StatusOr<std::unique_ptr<Geometry>> Geometry::Build(const SceneDescription
     if (instance.object < 0 || static_cast<size_t>(instance.object) >= uses.size())
       return absl::InvalidArgumentError(
           absl::StrCat(instance.where.ToString(), ": the instance names no object"));
-    ++uses[instance.object];
+    // What moves needs an object of its own.
+    uses[instance.object] += instance.to_world_at_end ? 2 : 1;
   }
   std::vector<const ShapeGroup*> groups(scene.objects.size(), nullptr);
   for (size_t i = 0; i < scene.objects.size(); ++i) {
@@ -135,37 +117,39 @@ absl::StatusOr<std::unique_ptr<Geometry>> Geometry::Build(const SceneDescription
     const ShapeGroup* group = groups[description.object];
     for (const ShapeDescription& shape : scene.objects[description.object].shapes) {
       if (group && !Emits(shape)) continue;
+      if (description.to_world_at_end)
+        return absl::InvalidArgumentError(
+            absl::StrCat(shape.where.ToString(), ": a shape that emits cannot move"));
       STRATA_RETURN_IF_ERROR(builder.Add(shape, description.to_world, true, &state.world));
     }
-    if (!group || (group->triangles.triangles.empty() && group->curved.empty())) continue;
-    const std::optional<Placement> placement =
-        Placement::From(RoundedToFloat(description.to_world));
-    if (!placement)
-      return absl::InvalidArgumentError(absl::StrCat(
-          description.where.ToString(), ": the instance's transform is singular or not affine"));
-    Instance instance;
+    if (!group || group->IsEmpty()) continue;
+    STRATA_ASSIGN_OR_RETURN(Instance instance, PlaceInstance(description, &state.motions));
     instance.object = group;
-    instance.placement = *placement;
-    SetOriginError(&instance);
     state.instances.push_back(instance);
   }
 
-  Finish(&state.world.triangles);
-  CreateEmbreeScene(state.device, &state.world);
+  const auto finish = [&](ShapeGroup* group) {
+    group->state = &state;
+    Finish(&group->triangles);
+    Finish(&group->masked);
+    Finish(&group->curves);
+    CreateEmbreeScene(state.device, group);
+    geometry->triangle_count_ += group->triangles.triangles.size() + group->masked.triangles.size();
+    geometry->has_alpha_ |= HasAlpha(*group);
+  };
+  finish(&state.world);
   Box bounds = BoundsOf(state.world);
-  geometry->triangle_count_ = state.world.triangles.triangles.size();
   absl::flat_hash_map<const ShapeGroup*, Box> object_bounds;
   for (const auto& object : state.objects) {
-    Finish(&object->triangles);
-    CreateEmbreeScene(state.device, object.get());
+    finish(object.get());
     rtcCommitScene(object->scene);
     object_bounds[object.get()] = BoundsOf(*object);
-    geometry->triangle_count_ += object->triangles.triangles.size();
   }
   for (size_t i = 0; i < state.instances.size(); ++i) {
     const Instance& instance = state.instances[i];
-    AttachInstance(state.device, state.world.scene, instance, static_cast<uint32_t>(i));
-    bounds.Include(BoundsOf(instance, object_bounds[instance.object]));
+    const InstanceMotion* motion = instance.motion < 0 ? nullptr : &state.motions[instance.motion];
+    AttachInstance(state.device, state.world.scene, instance, motion, static_cast<uint32_t>(i));
+    bounds.Include(BoundsOf(instance, motion, object_bounds[instance.object]));
   }
   rtcCommitScene(state.world.scene);
   STRATA_RETURN_IF_ERROR(CheckDevice(state.device, "building the scene's hierarchy"));

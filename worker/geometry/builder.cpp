@@ -5,6 +5,8 @@
 #include <utility>
 #include <variant>
 
+#include "worker/geometry/alpha_mask.h"
+
 namespace strata {
 namespace {
 
@@ -85,10 +87,18 @@ absl::Status ShapeBuilder::Add(const ShapeDescription& shape, const Transform& t
     return AllFinite(values) ? absl::OkStatus()
                              : Located(shape.where, "the shape has a parameter that is not finite");
   };
-  if (const auto* mesh = std::get_if<TriangleMeshShape>(&shape.geometry))
-    return AddMesh(shape, *mesh, placed, may_emit, &group->triangles);
+  STRATA_RETURN_IF_ERROR(CheckAlpha(shape));
+  if (IsCutAway(shape)) return absl::OkStatus();
+  if (const auto* mesh = std::get_if<TriangleMeshShape>(&shape.geometry)) {
+    if (!HasMask(shape)) return AddMesh(shape, *mesh, placed, may_emit, &group->triangles);
+    STRATA_RETURN_IF_ERROR(AddMesh(shape, *mesh, placed, may_emit, &group->masked));
+    group->masks.resize(group->masked.shapes.size(), shape.alpha);
+    return absl::OkStatus();
+  }
   if (const auto* patches = std::get_if<BilinearPatchShape>(&shape.geometry))
     return AddPatches(shape, *patches, placed, may_emit, group);
+  if (const auto* curves = std::get_if<CurveShape>(&shape.geometry))
+    return AddCurves(shape, *curves, placed, &group->curves);
   if (const auto* sphere = std::get_if<SphereShape>(&shape.geometry)) {
     STRATA_RETURN_IF_ERROR(check_radius(sphere->radius));
     STRATA_RETURN_IF_ERROR(
@@ -106,6 +116,31 @@ absl::Status ShapeBuilder::Add(const ShapeDescription& shape, const Transform& t
   STRATA_RETURN_IF_ERROR(
       check_finite({cylinder.radius, cylinder.z_min, cylinder.z_max, cylinder.phi_max}));
   return AddQuadric(shape, CylinderSurface(cylinder), placed, may_emit, group);
+}
+
+std::optional<float> ShapeBuilder::ConstantAlpha(const ShapeDescription& shape) const {
+  if (shape.alpha.texture == kNoTexture) return 1;
+  const auto* constant = std::get_if<ConstantTexture>(&scene_.textures[shape.alpha.texture]);
+  if (!constant) return std::nullopt;
+  return AlphaAfterCutoff(shape.alpha, constant->value.r);
+}
+
+absl::Status ShapeBuilder::CheckAlpha(const ShapeDescription& shape) const {
+  const TextureId id = shape.alpha.texture;
+  if (id == kNoTexture || (id >= 0 && static_cast<size_t>(id) < scene_.textures.size()))
+    return absl::OkStatus();
+  return Located(shape.where,
+                 absl::StrCat("the shape's alpha is texture ", id, ", which does not exist"));
+}
+
+bool ShapeBuilder::IsCutAway(const ShapeDescription& shape) const {
+  const std::optional<float> alpha = ConstantAlpha(shape);
+  return alpha && !(*alpha > 0);
+}
+
+bool ShapeBuilder::HasMask(const ShapeDescription& shape) const {
+  const std::optional<float> alpha = ConstantAlpha(shape);
+  return !alpha || *alpha < 1;
 }
 
 absl::Status ShapeBuilder::AddMesh(const ShapeDescription& shape, const TriangleMeshShape& mesh,
@@ -222,6 +257,7 @@ void ShapeBuilder::AddCurved(const ShapeDescription& shape, CurvedShape curved, 
                              ShapeGroup* group) {
   if (!HasArea(curved)) return;
   curved.material = shape.material;
+  if (HasMask(shape)) curved.alpha = shape.alpha;
   if (may_emit && shape.emission && !IsBlack(shape.emission->radiance)) {
     const double area = AreaOf(curved);
     if (!(area > 0) || !std::isfinite(area)) return;
@@ -249,6 +285,7 @@ int32_t ShapeBuilder::AddEmitter(const ShapeDescription& shape, Emitter emitter)
   emitter.radiance = shape.emission->radiance;
   emitter.two_sided = shape.emission->two_sided;
   emitter.texture = shape.emission->texture;
+  emitter.masked = HasMask(shape);
   emitters_.push_back(std::move(emitter));
   return static_cast<int32_t>(emitters_.size() - 1);
 }

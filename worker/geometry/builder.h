@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "common/status.h"
@@ -16,7 +17,7 @@ class ShapeBuilder {
       : scene_(scene), emitters_(*emitters) {}
 
   /// Adds the shape to `group`, placed by `to_group` after its own transform. It emits if
-  /// `may_emit`. Shapes that are no surface (interfaces) or have no area add nothing.
+  /// `may_emit`. Shapes that are no surface (interfaces, alpha 0) or have no area add nothing.
   /// INVALID_ARGUMENT with the shape's location.
   absl::Status Add(const ShapeDescription& shape, const Transform& to_group, bool may_emit,
                    ShapeGroup* group);
@@ -30,6 +31,11 @@ class ShapeBuilder {
                           const Transform& to_group, bool may_emit, ShapeGroup* group);
   void AddCurved(const ShapeDescription& shape, CurvedShape curved, bool may_emit,
                  ShapeGroup* group);
+  absl::Status CheckAlpha(const ShapeDescription& shape) const;
+  /// Alpha where it is the same over the shape.
+  std::optional<float> ConstantAlpha(const ShapeDescription& shape) const;
+  bool IsCutAway(const ShapeDescription& shape) const;
+  bool HasMask(const ShapeDescription& shape) const;
   int32_t AddEmitter(const ShapeDescription& shape, Emitter emitter);
 
   const SceneDescription& scene_;

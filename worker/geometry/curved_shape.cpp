@@ -64,7 +64,8 @@ Vec3f OuterNormal(const CurvedShape& shape, Vec3d n) {
 
 std::optional<SurfaceHit> Intersect(const CurvedShape& shape, const SurfaceRay& ray) {
   const SurfaceRay local = {Placement::Point(shape.placement.to_object, ray.origin),
-                            Placement::Vector(shape.placement.to_object, ray.direction), ray.t_max};
+                            Placement::Vector(shape.placement.to_object, ray.direction), ray.t_max,
+                            ray.t_min};
   return std::visit([&](const auto& s) { return Intersect(s, local); }, shape.surface);
 }
 
@@ -83,6 +84,19 @@ SurfacePoint PointOn(const CurvedShape& shape, const SurfaceHit& hit) {
   point.material = shape.material;
   point.light = shape.light;
   return point;
+}
+
+SurfaceDerivatives DerivativesOn(const CurvedShape& shape, const SurfaceHit& hit) {
+  const Placement& placement = shape.placement;
+  const Vec3d ns = std::visit([&](const auto& s) { return PointAt(s, hit).ns; }, shape.surface);
+  const LocalDerivatives local =
+      std::visit([&](const auto& s) { return DerivativesAt(s, hit); }, shape.surface);
+  // The side that PointOn chooses for the normal.
+  const bool flipped = Dot(placement.NormalToWorld(ns), ToDouble(PointOn(shape, hit).ns)) < 0;
+  const NormalDerivatives normals(placement, ns, flipped);
+  return {ToFloat(Placement::Vector(placement.to_world, local.dpdu)),
+          ToFloat(Placement::Vector(placement.to_world, local.dpdv)), normals(local.dndu),
+          normals(local.dndv)};
 }
 
 EmitterPoint SampleArea(const CurvedShape& shape, Vec2f u) {

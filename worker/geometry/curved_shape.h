@@ -15,6 +15,7 @@ struct CurvedShape {
   bool flipped = false;  ///< The outer side is opposite to dp/du x dp/dv of the surface.
   MaterialId material = 0;
   int32_t light = -1;
+  AlphaMask alpha;
 };
 
 /// The nearest hit, in the surface's own space; `ray` is in the group's.
@@ -22,6 +23,7 @@ std::optional<SurfaceHit> Intersect(const CurvedShape& shape, const SurfaceRay& 
 
 /// What is known of the surface at a hit, in the group's space.
 SurfacePoint PointOn(const CurvedShape& shape, const SurfaceHit& hit);
+SurfaceDerivatives DerivativesOn(const CurvedShape& shape, const SurfaceHit& hit);
 
 /// See Geometry::SampleEmitter and EmitterPdfArea.
 EmitterPoint SampleArea(const CurvedShape& shape, Vec2f u);

@@ -21,7 +21,7 @@ std::optional<SurfaceHit> Intersect(const CylinderSurface& cylinder, const Surfa
   if (!(half_chord2 >= 0)) return std::nullopt;  // NaN: along the axis.
   const double half_chord = std::sqrt(half_chord2 * inverse);
   for (const double t : {t_nearest - half_chord, t_nearest + half_chord}) {
-    if (!(t > 0 && t < ray.t_max)) continue;
+    if (!(t > ray.t_min && t < ray.t_max)) continue;
     const Vec3d p = ray.origin + ray.direction * t;
     if (p.z < cylinder.z_min || p.z > cylinder.z_max) continue;
     if (!cylinder.wedge.Contains(p.x, p.y)) continue;
@@ -39,6 +39,14 @@ LocalPoint PointAt(const CylinderSurface& cylinder, const SurfaceHit& hit) {
   point.uv = {cylinder.wedge.Fraction(point.p.x, point.p.y),
               std::clamp((hit.p.z - cylinder.z_min) / (cylinder.z_max - cylinder.z_min), 0.0, 1.0)};
   return point;
+}
+
+LocalDerivatives DerivativesAt(const CylinderSurface& cylinder, const SurfaceHit& hit) {
+  LocalDerivatives d;
+  d.dpdu = PointAt(cylinder, hit).dpdu;
+  d.dpdv = {0, 0, cylinder.z_max - cylinder.z_min};
+  d.dndu = d.dpdu * (1 / cylinder.radius);
+  return d;
 }
 
 LocalPoint SampleArea(const CylinderSurface& cylinder, Vec2d u) {

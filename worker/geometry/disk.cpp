@@ -13,7 +13,7 @@ DiskSurface::DiskSurface(const DiskShape& shape)
 
 std::optional<SurfaceHit> Intersect(const DiskSurface& disk, const SurfaceRay& ray) {
   const double t = (disk.height - ray.origin.z) / ray.direction.z;
-  if (!(t > 0 && t < ray.t_max)) return std::nullopt;  // NaN and infinity: parallel.
+  if (!(t > ray.t_min && t < ray.t_max)) return std::nullopt;  // NaN and infinity: parallel.
   const double x = ray.origin.x + ray.direction.x * t;
   const double y = ray.origin.y + ray.direction.y * t;
   const double r2 = x * x + y * y;
@@ -32,6 +32,15 @@ LocalPoint PointAt(const DiskSurface& disk, const SurfaceHit& hit) {
   point.uv = {disk.wedge.Fraction(point.p.x, point.p.y),
               std::clamp((disk.radius - r) / (disk.radius - disk.inner_radius), 0.0, 1.0)};
   return point;
+}
+
+LocalDerivatives DerivativesAt(const DiskSurface& disk, const SurfaceHit& hit) {
+  const LocalPoint point = PointAt(disk, hit);
+  const double r = std::sqrt(point.p.x * point.p.x + point.p.y * point.p.y);
+  LocalDerivatives d;
+  d.dpdu = point.dpdu;
+  if (r > 0) d.dpdv = Vec3d{point.p.x, point.p.y, 0} * ((disk.inner_radius - disk.radius) / r);
+  return d;
 }
 
 LocalPoint SampleArea(const DiskSurface& disk, Vec2d u) {

@@ -1,6 +1,7 @@
 #include <cmath>
 #include <limits>
 
+#include "worker/geometry/alpha_mask.h"
 #include "worker/geometry/state.h"
 
 namespace strata {
@@ -13,18 +14,63 @@ SurfaceRay RayOf(RTCRayN* rays, unsigned n, unsigned i) {
           RTCRayN_tfar(rays, n, i)};
 }
 
-const CurvedShape& ShapeOf(const void* shapes, unsigned primitive) {
-  return static_cast<const CurvedShape*>(shapes)[primitive];
+const ShapeGroup& GroupOf(const void* group) { return *static_cast<const ShapeGroup*>(group); }
+
+/// A point of a group in the world, for solid textures; `instance` is Embree's id.
+Vec3f InWorld(const ShapeGroup& group, uint32_t instance, Vec3f p) {
+  if (instance == RTC_INVALID_GEOMETRY_ID) return p;
+  const Instance& placed = group.state->instances[instance - kFirstInstance];
+  return ToFloat(Placement::Point(placed.placement.to_world, ToDouble(p)));
+}
+
+/// Drops hits of triangles that are not there.
+void FilterMasked(const RTCFilterFunctionNArguments* args) {
+  const ShapeGroup& group = GroupOf(args->geometryUserPtr);
+  const TextureSet* textures = group.state->textures;
+  if (!textures) return;
+  const TriangleSet& set = group.masked;
+  const unsigned n = args->N;
+  for (unsigned i = 0; i < n; ++i) {
+    if (!args->valid[i]) continue;
+    const Meeting meeting = {RTCRayN_id(args->ray, n, i), kMaskedGeometry,
+                             RTCHitN_primID(args->hit, n, i), RTCHitN_instID(args->hit, n, i, 0)};
+    const TriangleSet::Triangle& triangle = set.triangles[meeting.primitive];
+    const float u = RTCHitN_u(args->hit, n, i), v = RTCHitN_v(args->hit, n, i);
+    const Vec3f p0 = set.positions[triangle.vertices[0]];
+    const Vec3f p = p0 + (u * (set.positions[triangle.vertices[1]] - p0) +
+                          v * (set.positions[triangle.vertices[2]] - p0));
+    if (!IsThere(group.masks[triangle.shape], *textures, UvsOf(set, triangle).At(u, v),
+                 InWorld(group, meeting.instance, p), meeting))
+      args->valid[i] = 0;
+  }
+}
+
+/// The nearest hit of a curved shape that is there for the ray.
+std::optional<SurfaceHit> IntersectVisible(const ShapeGroup& group, uint32_t primitive,
+                                           SurfaceRay ray, uint32_t ray_id, uint32_t instance) {
+  const CurvedShape& shape = group.curved[primitive];
+  while (const std::optional<SurfaceHit> hit = Intersect(shape, ray)) {
+    const TextureSet* textures = group.state->textures;
+    if (shape.alpha.texture == kNoTexture || !textures) return hit;
+    const SurfacePoint point = PointOn(shape, *hit);
+    const bool inside = Dot(ToDouble(point.ng), ray.direction) > 0;
+    if (IsThere(shape.alpha, *textures, point.uv, InWorld(group, instance, point.p),
+                {ray_id, kCurvedGeometry, primitive, instance, inside}))
+      return hit;
+    ray.t_min = hit->t;
+  }
+  return std::nullopt;
 }
 
 void IntersectCurved(const RTCIntersectFunctionNArguments* args) {
   const unsigned n = args->N;
   RTCRayN* rays = RTCRayHitN_RayN(args->rayhit, n);
   RTCHitN* hits = RTCRayHitN_HitN(args->rayhit, n);
-  const CurvedShape& shape = ShapeOf(args->geometryUserPtr, args->primID);
+  const ShapeGroup& group = GroupOf(args->geometryUserPtr);
   for (unsigned i = 0; i < n; ++i) {
     if (!args->valid[i]) continue;
-    const auto hit = Intersect(shape, RayOf(rays, n, i));
+    const auto hit = IntersectVisible(group, args->primID, RayOf(rays, n, i),
+                                      RTCRayN_id(rays, n, i), args->context->instID[0]);
     if (!hit) continue;
     RTCRayN_tfar(rays, n, i) = static_cast<float>(hit->t);
     RTCHitN_u(hits, n, i) = static_cast<float>(hit->u);
@@ -41,15 +87,16 @@ void IntersectCurved(const RTCIntersectFunctionNArguments* args) {
 
 void OccludedCurved(const RTCOccludedFunctionNArguments* args) {
   const unsigned n = args->N;
-  const CurvedShape& shape = ShapeOf(args->geometryUserPtr, args->primID);
+  const ShapeGroup& group = GroupOf(args->geometryUserPtr);
   for (unsigned i = 0; i < n; ++i) {
-    if (args->valid[i] && Intersect(shape, RayOf(args->ray, n, i)))
+    if (args->valid[i] && IntersectVisible(group, args->primID, RayOf(args->ray, n, i),
+                                           RTCRayN_id(args->ray, n, i), args->context->instID[0]))
       RTCRayN_tfar(args->ray, n, i) = -std::numeric_limits<float>::infinity();
   }
 }
 
 void BoundsOfCurved(const RTCBoundsFunctionArguments* args) {
-  const Box box = BoundsOf(ShapeOf(args->geometryUserPtr, args->primID));
+  const Box box = BoundsOf(GroupOf(args->geometryUserPtr).curved[args->primID]);
   // Traversal is in float: a few units in the last place of the largest coordinate must not miss.
   const auto pad = [](double low, double high) {
     return std::max(std::abs(low), std::abs(high)) * 0x1p-20;
@@ -63,7 +110,7 @@ void BoundsOfCurved(const RTCBoundsFunctionArguments* args) {
   bounds.upper_z = static_cast<float>(box.max.z + pad(box.min.z, box.max.z));
 }
 
-void AttachTriangles(RTCDevice device, const TriangleSet& set, RTCScene scene) {
+RTCGeometry MakeTriangles(RTCDevice device, const TriangleSet& set) {
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   // The last position is padding, since Embree reads sixteen bytes of each.
   rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
@@ -72,21 +119,52 @@ void AttachTriangles(RTCDevice device, const TriangleSet& set, RTCScene scene) {
                              set.triangles.data(), 0, sizeof(TriangleSet::Triangle),
                              set.triangles.size());
   rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_MEDIUM);
+  return geometry;
+}
+
+void Attach(RTCScene scene, RTCGeometry geometry, uint32_t id) {
   rtcCommitGeometry(geometry);
-  rtcAttachGeometryByID(scene, geometry, kTriangleGeometry);
+  rtcAttachGeometryByID(scene, geometry, id);
   rtcReleaseGeometry(geometry);
 }
 
-void AttachCurved(RTCDevice device, std::vector<CurvedShape>& shapes, RTCScene scene) {
+RTCGeometry MakeMasked(RTCDevice device, ShapeGroup* group) {
+  RTCGeometry geometry = MakeTriangles(device, group->masked);
+  rtcSetGeometryUserData(geometry, group);
+  rtcSetGeometryIntersectFilterFunction(geometry, FilterMasked);
+  rtcSetGeometryOccludedFilterFunction(geometry, FilterMasked);
+  return geometry;
+}
+
+RTCGeometry MakeCurved(RTCDevice device, ShapeGroup* group) {
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
-  rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(shapes.size()));
-  rtcSetGeometryUserData(geometry, shapes.data());
+  rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(group->curved.size()));
+  rtcSetGeometryUserData(geometry, group);
   rtcSetGeometryBoundsFunction(geometry, BoundsOfCurved, nullptr);
   rtcSetGeometryIntersectFunction(geometry, IntersectCurved);
   rtcSetGeometryOccludedFunction(geometry, OccludedCurved);
-  rtcCommitGeometry(geometry);
-  rtcAttachGeometryByID(scene, geometry, kCurvedGeometry);
-  rtcReleaseGeometry(geometry);
+  return geometry;
+}
+
+RTCGeometry MakeCurves(RTCDevice device, CurveKind kind, const CurveSet& set) {
+  const RTCGeometryType type = kind == CurveKind::kFlat ? RTC_GEOMETRY_TYPE_FLAT_BEZIER_CURVE
+                               : kind == CurveKind::kCylinder
+                                   ? RTC_GEOMETRY_TYPE_ROUND_BEZIER_CURVE
+                                   : RTC_GEOMETRY_TYPE_NORMAL_ORIENTED_BEZIER_CURVE;
+  RTCGeometry geometry = rtcNewGeometry(device, type);
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4,
+                             set.vertices.data(), 0, sizeof(CurveSet::Vertex), set.vertices.size());
+  if (kind == CurveKind::kRibbon) {
+    // The last normal is padding, since Embree reads sixteen bytes of each.
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_NORMAL, 0, RTC_FORMAT_FLOAT3,
+                               set.normals.data(), 0, sizeof(Vec3f), set.vertices.size());
+  }
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT,
+                             set.segments.data(), 0, sizeof(CurveSet::Segment),
+                             set.segments.size());
+  if (kind == CurveKind::kFlat) rtcSetGeometryTessellationRate(geometry, kFlatCurvePieces);
+  rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_MEDIUM);
+  return geometry;
 }
 
 }  // namespace
@@ -106,22 +184,39 @@ void CreateEmbreeScene(RTCDevice device, ShapeGroup* group) {
   // times slower with it in the Cornell box. Without it about one ray in ten million slips between
   // two triangles of a closed mesh, far below what sampling can resolve.
   rtcSetSceneFlags(group->scene, RTC_SCENE_FLAG_NONE);
-  if (!group->triangles.triangles.empty()) AttachTriangles(device, group->triangles, group->scene);
-  if (!group->curved.empty()) AttachCurved(device, group->curved, group->scene);
+  if (!group->triangles.triangles.empty())
+    Attach(group->scene, MakeTriangles(device, group->triangles), kTriangleGeometry);
+  if (!group->curved.empty()) Attach(group->scene, MakeCurved(device, group), kCurvedGeometry);
+  if (!group->masked.triangles.empty())
+    Attach(group->scene, MakeMasked(device, group), kMaskedGeometry);
+  for (const CurveKind kind : {CurveKind::kFlat, CurveKind::kCylinder, CurveKind::kRibbon}) {
+    const CurveSet& set = group->curves[static_cast<size_t>(kind)];
+    if (!set.segments.empty())
+      Attach(group->scene, MakeCurves(device, kind, set),
+             kFirstCurveGeometry + static_cast<unsigned>(kind));
+  }
 }
 
-void AttachInstance(RTCDevice device, RTCScene world, const Instance& instance, uint32_t index) {
+void AttachInstance(RTCDevice device, RTCScene world, const Instance& instance,
+                    const InstanceMotion* motion, uint32_t index) {
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
   rtcSetGeometryInstancedScene(geometry, instance.object->scene);
-  float columns[12];
-  for (int column = 0; column < 4; ++column) {
-    for (int row = 0; row < 3; ++row)
-      columns[3 * column + row] = static_cast<float>(instance.placement.to_world[row][column]);
+  const auto set_transform = [&](unsigned step, const Placement::Rows& to_world) {
+    float columns[12];
+    for (int column = 0; column < 4; ++column) {
+      for (int row = 0; row < 3; ++row)
+        columns[3 * column + row] = static_cast<float>(to_world[row][column]);
+    }
+    rtcSetGeometryTransform(geometry, step, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns);
+  };
+  if (motion) {
+    const unsigned steps = static_cast<unsigned>(motion->steps.size());
+    rtcSetGeometryTimeStepCount(geometry, steps);
+    for (unsigned i = 0; i < steps; ++i) set_transform(i, motion->steps[i]);
+  } else {
+    set_transform(0, instance.placement.to_world);
   }
-  rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns);
-  rtcCommitGeometry(geometry);
-  rtcAttachGeometryByID(world, geometry, kFirstInstance + index);
-  rtcReleaseGeometry(geometry);
+  Attach(world, geometry, kFirstInstance + index);
 }
 
 }  // namespace strata

@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "worker/geometry/moving_instance.h"
 #include "worker/geometry/state.h"
 
 namespace strata {
@@ -17,17 +18,39 @@ void SetRay(const Ray& from, RTCRay* to) {
   to->dir_x = from.direction.x;
   to->dir_y = from.direction.y;
   to->dir_z = from.direction.z;
-  to->time = 0;
+  to->time = from.time;
   to->tfar = from.t_max;
   to->mask = ~0u;
-  to->id = 0;
+  to->id = from.id;
   to->flags = 0;
 }
 
-SurfacePoint PointIn(const ShapeGroup& group, const Hit& hit) {
+/// `to_group` leads from the ray's space to the group's; null: they are the same.
+SurfacePoint PointIn(const ShapeGroup& group, const Ray& ray, const Hit& hit,
+                     const Placement::Rows* to_group) {
   if (hit.geometry == kTriangleGeometry)
     return PointOnTriangle(group.triangles, hit.primitive, hit.u, hit.v);
+  if (hit.geometry == kMaskedGeometry)
+    return PointOnTriangle(group.masked, hit.primitive, hit.u, hit.v);
+  if (hit.geometry >= kFirstCurveGeometry) {
+    SurfaceRay local = {ToDouble(ray.origin), ToDouble(ray.direction)};
+    if (to_group) {
+      local.origin = Placement::Point(*to_group, local.origin);
+      local.direction = Placement::Vector(*to_group, local.direction);
+    }
+    const auto kind = static_cast<CurveKind>(hit.geometry - kFirstCurveGeometry);
+    return PointOnCurve(group.curves, kind, hit, local);
+  }
   return PointOn(group.curved[hit.primitive], {hit.t, ToDouble(hit.local), hit.u, hit.v});
+}
+
+SurfaceDerivatives DerivativesIn(const ShapeGroup& group, const Hit& hit) {
+  if (hit.geometry == kTriangleGeometry)
+    return DerivativesOnTriangle(group.triangles, hit.primitive, hit.u, hit.v);
+  if (hit.geometry == kMaskedGeometry)
+    return DerivativesOnTriangle(group.masked, hit.primitive, hit.u, hit.v);
+  if (hit.geometry >= kFirstCurveGeometry) return {};  // They have no bumps.
+  return DerivativesOn(group.curved[hit.primitive], {hit.t, ToDouble(hit.local), hit.u, hit.v});
 }
 
 /// A point of an object in the world. Its error: that in the object's space, one rounding, and what
@@ -85,11 +108,41 @@ bool Geometry::Occluded(const Ray& ray) const {
   return embree_ray.tfar < 0;
 }
 
-SurfacePoint Geometry::Surface(const Ray& /*ray*/, const Hit& hit) const {
-  if (hit.instance == RTC_INVALID_GEOMETRY_ID) return PointIn(state_->world, hit);
+SurfacePoint Geometry::Surface(const Ray& ray, const Hit& hit) const {
+  if (hit.instance == RTC_INVALID_GEOMETRY_ID) return PointIn(state_->world, ray, hit, nullptr);
   const Instance& instance = state_->instances[hit.instance - kFirstInstance];
-  return ToWorld(instance, PointIn(*instance.object, hit));
+  const auto in_world = [&](const Instance& placed) {
+    return ToWorld(placed, PointIn(*placed.object, ray, hit, &placed.placement.to_object));
+  };
+  if (instance.motion < 0) return in_world(instance);
+  const MovedInstance moved(instance, state_->motions[instance.motion], ray.time);
+  SurfacePoint world = in_world(moved.instance);
+  world.p_error += moved.translation_error;
+  return world;
 }
+
+SurfaceDerivatives Geometry::Derivatives(const Ray& ray, const Hit& hit) const {
+  if (hit.instance == RTC_INVALID_GEOMETRY_ID) return DerivativesIn(state_->world, hit);
+  const Instance& instance = state_->instances[hit.instance - kFirstInstance];
+  const auto in_world = [&](const Placement& placement) -> SurfaceDerivatives {
+    const SurfacePoint point = PointIn(*instance.object, ray, hit, &placement.to_object);
+    const SurfaceDerivatives local = DerivativesIn(*instance.object, hit);
+    // The side that ToWorld chooses for the normal.
+    const bool flipped = Dot(placement.NormalToWorld(ToDouble(point.ns)),
+                             placement.NormalToWorld(ToDouble(point.ng))) < 0;
+    const NormalDerivatives normals(placement, ToDouble(point.ns), flipped);
+    return {ToFloat(Placement::Vector(placement.to_world, ToDouble(local.dpdu))),
+            ToFloat(Placement::Vector(placement.to_world, ToDouble(local.dpdv))),
+            normals(ToDouble(local.dndu)), normals(ToDouble(local.dndv))};
+  };
+  if (instance.motion < 0) return in_world(instance.placement);
+  const MovedInstance moved(instance, state_->motions[instance.motion], ray.time);
+  return in_world(moved.instance.placement);
+}
+
+void Geometry::SetTextures(const TextureSet& textures) { state_->textures = &textures; }
+
+bool Geometry::moves() const { return !state_->motions.empty(); }
 
 EmitterPoint Geometry::SampleEmitter(const OtherEmitter& emitter, Vec2f u) const {
   return SampleArea(state_->world.curved[emitter.shape], u);

@@ -17,17 +17,23 @@
 
 namespace strata {
 
+class TextureSet;
+
 struct Ray {
   Vec3f origin;
   Vec3f direction;  ///< Unit length for camera and path rays; shadow rays may be segments.
   float t_max = std::numeric_limits<float>::infinity();
+  float time = 0;  ///< In [0, 1], of moving instances.
+  /// Decides, with the place it meets, whether a surface of partial alpha is there for this ray.
+  uint32_t id = 0;
 };
 
 /// What the intersector found; Surface() makes sense of it.
 struct Hit {
   float t = 0;
   float u = 0, v = 0;     ///< Barycentric for triangles; parameters of a bilinear patch.
-  Vec3f local;            ///< Of curved shapes: the point in the shape's own space.
+  Vec3f local;            ///< Of curved shapes: the point in the shape's own space; else Embree's
+                          ///< normal.
   uint32_t geometry = 0;  ///< Embree geometry id.
   uint32_t primitive = 0;
   uint32_t instance = ~0u;  ///< ~0: not in an instance.
@@ -43,6 +49,12 @@ struct SurfacePoint {
   Vec2f uv;
   MaterialId material = 0;
   int32_t light = -1;  ///< Index into Geometry::emitters(), or -1.
+};
+
+/// How a point of a surface and its shading normal (on the outer side) move with (u, v), in world
+/// space.
+struct SurfaceDerivatives {
+  Vec3f dpdu, dpdv, dndu, dndv;
 };
 
 // Emissive shapes in world space, as light sampling wants them.
@@ -70,6 +82,7 @@ struct Emitter {
   bool two_sided = false;
   TextureId texture = kNoTexture;  ///< Multiplies the radiance, if set.
   float area = 0;                  ///< World.
+  bool masked = false;             ///< By alpha: only parts of it are there.
 };
 
 /// Two triangles of one shape that make a rectangle, in world space.
@@ -98,6 +111,13 @@ class Geometry {
   /// Whether anything lies in (0, ray.t_max).
   bool Occluded(const Ray& ray) const;
   SurfacePoint Surface(const Ray& ray, const Hit& hit) const;
+  SurfaceDerivatives Derivatives(const Ray& ray, const Hit& hit) const;
+
+  /// Whether any surface has an alpha mask, so that the ids of rays matter.
+  bool has_alpha() const { return has_alpha_; }
+  /// The textures of alpha masks. To be given before the first ray where there are masks; outlive
+  /// the geometry.
+  void SetTextures(const TextureSet& textures);
 
   const std::vector<Emitter>& emitters() const { return emitters_; }
   /// A point of an OtherEmitter, u in [0,1)^2. Uniform by area where the shape's transform is a
@@ -117,6 +137,8 @@ class Geometry {
     Vec3f min, max;
   };
   Bounds bounds() const { return bounds_; }
+  /// Whether any instance moves, so that rays at different times meet different scenes.
+  bool moves() const;
   /// Triangles held, those of a shared object once.
   uint64_t triangle_count() const { return triangle_count_; }
 
@@ -130,6 +152,7 @@ class Geometry {
   std::vector<Emitter> emitters_;
   Bounds bounds_;
   uint64_t triangle_count_ = 0;
+  bool has_alpha_ = false;
 };
 
 /// Where a ray that leaves `point` in direction `w` starts, so that it does not hit the surface it

@@ -22,10 +22,10 @@ void SetRays(const RayLanes& from, RTCRay8* to) {
   Store(to->dir_x, from.direction.x);
   Store(to->dir_y, from.direction.y);
   Store(to->dir_z, from.direction.z);
-  Store(to->time, FloatLanes{});
+  Store(to->time, from.time);
   Store(to->tfar, from.t_max);
   Store(to->mask, SameInt(-1));
-  Store(to->id, IntLanes{});
+  Store(to->id, from.id);
   Store(to->flags, IntLanes{});
 }
 

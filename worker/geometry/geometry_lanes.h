@@ -9,8 +9,13 @@ namespace strata {
 struct RayLanes {
   Vec3Lanes origin, direction;
   FloatLanes t_max = SameFloat(std::numeric_limits<float>::infinity());
+  FloatLanes time = {};
+  IntLanes id = {};
 
-  Ray Get(int lane) const { return {origin.Get(lane), direction.Get(lane), t_max[lane]}; }
+  Ray Get(int lane) const {
+    return {origin.Get(lane), direction.Get(lane), t_max[lane], time[lane],
+            static_cast<uint32_t>(id[lane])};
+  }
 };
 
 struct HitLanes {
@@ -51,8 +56,8 @@ MaskLanes Intersect(const Geometry& geometry, const RayLanes& rays, MaskLanes ac
                     HitLanes* hits);
 /// The lanes in `active` whose segment is blocked.
 MaskLanes Occluded(const Geometry& geometry, const RayLanes& rays, MaskLanes active);
-/// The points of the lanes in `hit`: triangles of the world itself side by side, all else one by
-/// one.
+/// The points of the lanes in `hit`: triangles of the world itself without alpha masks side by
+/// side, all else one by one.
 SurfaceLanes Surfaces(const Geometry& geometry, const RayLanes& rays, const HitLanes& hits,
                       MaskLanes hit);
 

@@ -10,6 +10,32 @@ namespace {
 /// Of an image's channels, those that are colour.
 int ColorChannels(const ImageFile& file) { return file.channels < 3 ? 1 : 3; }
 
+/// `count` channels from the first on, 8-bit codes as they are, others by `decode`.
+template <typename Decode>
+ImageTexels Channels(const ImageFile& file, int first, int count, Decode decode) {
+  ImageTexels texels;
+  texels.width = file.width;
+  texels.height = file.height;
+  texels.channels = count;
+  const size_t pixels = static_cast<size_t>(file.width) * file.height;
+  const size_t values = pixels * texels.channels;
+  if (file.eight_bit) {
+    texels.codes.resize(values);
+  } else {
+    texels.values.resize(values);
+  }
+  for (size_t i = 0; i < values; ++i) {
+    const size_t pixel = i / texels.channels;
+    const float value = file.values[pixel * file.channels + first + i % texels.channels];
+    if (file.eight_bit) {
+      texels.codes[i] = static_cast<uint8_t>(value * 255 + 0.5f);
+    } else {
+      texels.values[i] = decode(value);
+    }
+  }
+  return texels;
+}
+
 }  // namespace
 
 absl::StatusOr<ImageFile> ReadTextureImage(const ImageTexture& texture, const FileSource& source) {
@@ -21,11 +47,23 @@ absl::StatusOr<ImageFile> ReadTextureImage(const ImageTexture& texture, const Fi
   return ReadImageFile(path);
 }
 
-absl::Status CheckTexels(const ImageFile& file) {
-  if (file.eight_bit || file.sixteen_bit) return absl::OkStatus();
+bool HasAlpha(const ImageFile& file) { return file.channels == 2 || file.channels == 4; }
+
+bool IsTranslucent(const ImageFile& file) {
+  if (!HasAlpha(file)) return false;
+  const size_t channels = static_cast<size_t>(file.channels);
+  for (size_t i = channels - 1; i < file.values.size(); i += channels)
+    if (file.values[i] != 1) return true;
+  return false;
+}
+
+absl::Status CheckTexels(const ImageFile& file, bool alpha) {
+  if (file.eight_bit || file.sixteen_bit || (alpha && !HasAlpha(file))) return absl::OkStatus();
+  const int first = alpha ? file.channels - 1 : 0;
+  const int end = alpha ? file.channels : ColorChannels(file);
   const size_t pixels = static_cast<size_t>(file.width) * file.height;
   for (size_t pixel = 0; pixel < pixels; ++pixel) {
-    for (int channel = 0; channel < ColorChannels(file); ++channel) {
+    for (int channel = first; channel < end; ++channel) {
       if (std::isfinite(file.values[pixel * file.channels + channel])) continue;
       return absl::InvalidArgumentError(absl::StrCat("the image's texel (", pixel % file.width,
                                                      ", ", pixel / file.width,
@@ -55,29 +93,18 @@ DecodeTable MakeDecodeTable(ImageEncoding encoding, float gamma) {
 }
 
 ImageTexels ImageTexels::From(const ImageFile& file, ImageEncoding encoding, float gamma) {
-  ImageTexels texels;
-  texels.width = file.width;
-  texels.height = file.height;
-  texels.channels = ColorChannels(file);
-  const size_t pixels = static_cast<size_t>(file.width) * file.height;
-  const size_t count = pixels * texels.channels;
-  if (file.eight_bit) {
-    texels.codes.resize(count);
-  } else {
-    texels.values.resize(count);
-  }
-  for (size_t i = 0; i < count; ++i) {
-    const size_t pixel = i / texels.channels;
-    const float value = file.values[pixel * file.channels + i % texels.channels];
-    if (file.eight_bit) {
-      texels.codes[i] = static_cast<uint8_t>(value * 255 + 0.5f);
-    } else if (file.sixteen_bit) {
-      texels.values[i] = static_cast<float>(Decode(value, encoding, gamma));
-    } else {
-      texels.values[i] = value;
-    }
-  }
-  return texels;
+  return Channels(file, 0, ColorChannels(file), [&](float value) {
+    return file.sixteen_bit ? static_cast<float>(Decode(value, encoding, gamma)) : value;
+  });
+}
+
+ImageTexels ImageTexels::AlphaFrom(const ImageFile& file) {
+  if (HasAlpha(file))
+    return Channels(file, file.channels - 1, 1, [](float value) { return value; });
+  ImageTexels opaque;
+  opaque.width = opaque.height = opaque.channels = 1;
+  opaque.values = {1};
+  return opaque;
 }
 
 }  // namespace strata

@@ -16,8 +16,13 @@ namespace strata {
 absl::StatusOr<ImageFile> ReadTextureImage(const ImageTexture& texture, const FileSource& source);
 
 /// INVALID_ARGUMENT naming the first texel that is NaN or infinite; only floating-point images can
-/// have one. Alpha is left out here as well.
-absl::Status CheckTexels(const ImageFile& file);
+/// have one. Looks at the alpha channel or at all others.
+absl::Status CheckTexels(const ImageFile& file, bool alpha);
+
+/// Whether the last of the file's channels is its alpha: gray and alpha, or RGBA.
+bool HasAlpha(const ImageFile& file);
+/// Whether it has one and that is not 1 everywhere.
+bool IsTranslucent(const ImageFile& file);
 
 /// Linear values of the 256 codes of 8-bit images, correctly rounded.
 using DecodeTable = std::array<float, 256>;
@@ -30,12 +35,14 @@ double Decode(double value, ImageEncoding encoding, float gamma);
 /// The pixels of an image, row 0 at the top, as compact as the file: 8-bit codes stay 8-bit.
 struct ImageTexels {
   int width = 0, height = 0;
-  int channels = 0;            ///< 1 or 3; alpha is left out.
+  int channels = 0;            ///< 1 or 3; colours come without their alpha.
   std::vector<uint8_t> codes;  ///< Either these, to be decoded when looked up,
   std::vector<float> values;   ///< or these, linear.
 
   /// 16-bit integers are decoded by `encoding` here.
   static ImageTexels From(const ImageFile& file, ImageEncoding encoding, float gamma);
+  /// The alpha channel alone, as it is stored; 1 where the file has none.
+  static ImageTexels AlphaFrom(const ImageFile& file);
 
   Rgb At(int x, int y, const DecodeTable& table) const {
     const size_t i = (static_cast<size_t>(y) * width + x) * channels;

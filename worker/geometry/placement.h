@@ -49,4 +49,25 @@ struct Placement {
   }
 };
 
+/// Takes the derivatives of a unit normal along with the normal itself.
+class NormalDerivatives {
+ public:
+  /// `n` is the normal before, unit; `flipped` turns it to the other side as well.
+  NormalDerivatives(const Placement& placement, Vec3d n, bool flipped)
+      : placement_(placement), unit_(placement.NormalToWorld(n)) {
+    const double length = Length(unit_);
+    unit_ = unit_ * (1 / length);
+    scale_ = (flipped ? -1 : 1) / length;
+  }
+  Vec3f operator()(Vec3d dn) const {
+    const Vec3d d = placement_.NormalToWorld(dn);
+    return ToFloat((d - unit_ * Dot(unit_, d)) * scale_);
+  }
+
+ private:
+  const Placement& placement_;
+  Vec3d unit_;
+  double scale_;
+};
+
 }  // namespace strata

@@ -24,7 +24,7 @@ std::optional<SurfaceHit> Intersect(const SphereSurface& sphere, const SurfaceRa
   if (!(half_chord2 >= 0)) return std::nullopt;
   const double half_chord = std::sqrt(half_chord2 * inverse);
   for (const double t : {t_nearest - half_chord, t_nearest + half_chord}) {
-    if (!(t > 0 && t < ray.t_max)) continue;
+    if (!(t > ray.t_min && t < ray.t_max)) continue;
     const Vec3d p = ray.origin + ray.direction * t;
     // A full sphere ends where rounding puts p, not at z_min and z_max.
     if (!sphere.IsFull() &&
@@ -46,6 +46,20 @@ LocalPoint PointAt(const SphereSurface& sphere, const SurfaceHit& hit) {
       sphere.wedge.Fraction(point.p.x, point.p.y),
       std::clamp((theta - sphere.theta_min) / (sphere.theta_max - sphere.theta_min), 0.0, 1.0)};
   return point;
+}
+
+LocalDerivatives DerivativesAt(const SphereSurface& sphere, const SurfaceHit& hit) {
+  const LocalPoint point = PointAt(sphere, hit);
+  const Vec3d p = point.p;
+  const double r = std::sqrt(p.x * p.x + p.y * p.y);
+  LocalDerivatives d;
+  d.dpdu = point.dpdu;
+  // None at the poles, where u has no direction either.
+  if (r > 0)
+    d.dpdv = Vec3d{p.z * p.x / r, p.z * p.y / r, -r} * (sphere.theta_max - sphere.theta_min);
+  d.dndu = d.dpdu * (1 / sphere.radius);
+  d.dndv = d.dpdv * (1 / sphere.radius);
+  return d;
 }
 
 LocalPoint SampleArea(const SphereSurface& sphere, Vec2d u) {

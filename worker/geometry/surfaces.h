@@ -11,12 +11,13 @@
 // Curved surfaces in their own space, in double. Each kind is a plain struct, made from its
 // description, with free functions:
 //
-//   std::optional<SurfaceHit> Intersect(const X&, const SurfaceRay&)   nearest in (0, t_max)
-//   LocalPoint PointAt(const X&, const SurfaceHit&)                    the hit moved onto the
-//   surface LocalPoint SampleArea(const X&, Vec2d u)                           u in [0,1)^2 double
-//   PdfArea(const X&, Vec3d p)                                  per unit of area, at p on it Vec3d
-//   NormalAt(const X&, Vec3d p)                                  unit, at p on it Box
-//   BoundsOf(const X&)
+//   std::optional<SurfaceHit> Intersect(const X&, const SurfaceRay&)   nearest in (t_min, t_max)
+//   LocalPoint PointAt(const X&, const SurfaceHit&)           the hit moved onto the surface
+//   LocalDerivatives DerivativesAt(const X&, const SurfaceHit&)
+//   LocalPoint SampleArea(const X&, Vec2d u)                  u in [0,1)^2
+//   double PdfArea(const X&, Vec3d p)                         per unit of area, at p on it
+//   Vec3d NormalAt(const X&, Vec3d p)                         unit, at p on it
+//   Box BoundsOf(const X&)
 //
 // Normals are the cross product of dp/du and dp/dv, as pbrt's. (PBRT 6.2 to 6.6.)
 
@@ -29,6 +30,7 @@ struct Vec2d {
 struct SurfaceRay {
   Vec3d origin, direction;  ///< The direction need not be of unit length.
   double t_max = std::numeric_limits<double>::infinity();
+  double t_min = 0;
 };
 
 struct SurfaceHit {
@@ -43,6 +45,11 @@ struct LocalPoint {
   Vec3d ns;  ///< Unit; ng where the surface has no other.
   Vec3d dpdu;
   Vec2d uv;
+};
+
+/// How the point and the shading normal of a LocalPoint move with its (u, v).
+struct LocalDerivatives {
+  Vec3d dpdu, dpdv, dndu, dndv;
 };
 
 /// The angles [0, phi_max] around z, tested without an arc tangent.
@@ -104,6 +111,7 @@ using CurvedSurface =
 
 std::optional<SurfaceHit> Intersect(const SphereSurface& sphere, const SurfaceRay& ray);
 LocalPoint PointAt(const SphereSurface& sphere, const SurfaceHit& hit);
+LocalDerivatives DerivativesAt(const SphereSurface& sphere, const SurfaceHit& hit);
 LocalPoint SampleArea(const SphereSurface& sphere, Vec2d u);
 double PdfArea(const SphereSurface& sphere, Vec3d p);
 Vec3d NormalAt(const SphereSurface& sphere, Vec3d p);
@@ -111,6 +119,7 @@ Box BoundsOf(const SphereSurface& sphere);
 
 std::optional<SurfaceHit> Intersect(const DiskSurface& disk, const SurfaceRay& ray);
 LocalPoint PointAt(const DiskSurface& disk, const SurfaceHit& hit);
+LocalDerivatives DerivativesAt(const DiskSurface& disk, const SurfaceHit& hit);
 LocalPoint SampleArea(const DiskSurface& disk, Vec2d u);
 double PdfArea(const DiskSurface& disk, Vec3d p);
 Vec3d NormalAt(const DiskSurface& disk, Vec3d p);
@@ -118,6 +127,7 @@ Box BoundsOf(const DiskSurface& disk);
 
 std::optional<SurfaceHit> Intersect(const CylinderSurface& cylinder, const SurfaceRay& ray);
 LocalPoint PointAt(const CylinderSurface& cylinder, const SurfaceHit& hit);
+LocalDerivatives DerivativesAt(const CylinderSurface& cylinder, const SurfaceHit& hit);
 LocalPoint SampleArea(const CylinderSurface& cylinder, Vec2d u);
 double PdfArea(const CylinderSurface& cylinder, Vec3d p);
 Vec3d NormalAt(const CylinderSurface& cylinder, Vec3d p);
@@ -125,6 +135,7 @@ Box BoundsOf(const CylinderSurface& cylinder);
 
 std::optional<SurfaceHit> Intersect(const BilinearPatchSurface& patch, const SurfaceRay& ray);
 LocalPoint PointAt(const BilinearPatchSurface& patch, const SurfaceHit& hit);
+LocalDerivatives DerivativesAt(const BilinearPatchSurface& patch, const SurfaceHit& hit);
 LocalPoint SampleArea(const BilinearPatchSurface& patch, Vec2d u);
 double PdfArea(const BilinearPatchSurface& patch, Vec3d p);
 Vec3d NormalAt(const BilinearPatchSurface& patch, Vec3d p);

@@ -108,10 +108,12 @@ std::vector<TextureId> ChildrenOf(const TextureDescription& texture) {
 
 struct TextureSet::State {
   std::vector<TextureNode> nodes;
+  std::vector<Vec2f> steps;  ///< Of each node: see Step.
   std::vector<ImageTexels> images;
   std::vector<DecodeTable> tables;
 
   Rgb Eval(TextureId id, Vec2f uv, Vec3f p) const;
+  Vec2f StepOf(const TextureNode& node, const std::vector<TextureId>& children) const;
   bool IsConstant(TextureId id) const {
     return id == kNoTexture || std::holds_alternative<Rgb>(nodes[id]);
   }
@@ -137,6 +139,29 @@ Rgb TextureSet::State::Eval(TextureId id, Vec2f uv, Vec3f p) const {
   return Eval(IsFirstCell(checkerboard, uv, p) ? checkerboard.a : checkerboard.b, uv, p);
 }
 
+/// Of images a pixel, of others pbrt-v4's step; of what is made of others the smallest of theirs.
+Vec2f TextureSet::State::StepOf(const TextureNode& node,
+                                const std::vector<TextureId>& children) const {
+  constexpr float kStep = 0.0005f;
+  Vec2f step = {kStep, kStep};
+  if (const auto* image = std::get_if<ImageNode>(&node)) {
+    const auto pixel = [](int size, float scale) {
+      const float extent = 1 / (static_cast<float>(size) * std::fabs(scale));
+      return extent < 1 ? extent : kStep;
+    };
+    step = {pixel(images[image->texels].width, image->mapping.su),
+            pixel(images[image->texels].height, image->mapping.sv)};
+  }
+  bool first = true;
+  for (const TextureId child : children) {
+    if (IsConstant(child)) continue;
+    const Vec2f other = steps[child];
+    step = first ? other : Vec2f{std::min(step.x, other.x), std::min(step.y, other.y)};
+    first = false;
+  }
+  return step;
+}
+
 namespace {
 
 /// Resolves descriptions one by one, each after those it refers to.
@@ -158,11 +183,16 @@ class TextureLoader {
   static constexpr int kMaxCost = 1000;
 
   absl::Status Visit(TextureId id, std::vector<TextureId>* order, int depth);
+  uint32_t TableOf(ImageEncoding encoding, float gamma, std::vector<DecodeTable>* tables);
 
   const std::vector<TextureDescription>& textures_;
   const FileSource& source_;
   std::vector<int> costs_;
-  std::map<std::tuple<std::string, ImageEncoding, float>, uint32_t> images_;
+  /// Path, encoding, gamma, and whether it is of the alpha channel.
+  using ImageKey = std::tuple<std::string, ImageEncoding, float, bool>;
+
+  std::map<ImageKey, uint32_t> images_;
+  std::map<std::string, bool> translucent_;  ///< Of each image read so far.
   std::map<std::pair<ImageEncoding, float>, uint32_t> tables_;
 };
 
@@ -201,6 +231,14 @@ absl::Status TextureLoader::Visit(TextureId id, std::vector<TextureId>* order, i
   return absl::OkStatus();
 }
 
+uint32_t TextureLoader::TableOf(ImageEncoding encoding, float gamma,
+                                std::vector<DecodeTable>* tables) {
+  const auto [table, is_new] =
+      tables_.try_emplace({encoding, gamma}, static_cast<uint32_t>(tables->size()));
+  if (is_new) tables->push_back(MakeDecodeTable(encoding, gamma));
+  return table->second;
+}
+
 absl::StatusOr<ImageNode> TextureLoader::LoadImage(const ImageTexture& texture,
                                                    std::vector<ImageTexels>* images,
                                                    std::vector<DecodeTable>* tables) {
@@ -214,33 +252,38 @@ absl::StatusOr<ImageNode> TextureLoader::LoadImage(const ImageTexture& texture,
   node.scalar = texture.scalar;
   node.channel = texture.channel.value_or(-1);
 
-  const float gamma = texture.encoding == ImageEncoding::kGamma ? texture.gamma : 0;
-  const auto [table, new_table] =
-      tables_.try_emplace({texture.encoding, gamma}, static_cast<uint32_t>(tables->size()));
-  if (new_table) tables->push_back(MakeDecodeTable(texture.encoding, gamma));
-  node.table = table->second;
-
-  // Texels are shared whatever the encoding, unless it was applied to them.
-  if (const auto same = images_.find({texture.path, ImageEncoding::kLinear, 0});
-      same != images_.end()) {
-    node.texels = same->second;
-    return node;
-  }
-  if (const auto same = images_.find({texture.path, texture.encoding, gamma});
-      same != images_.end()) {
-    node.texels = same->second;
-    return node;
+  const auto known = translucent_.find(texture.path);
+  const auto wants_alpha = [&](bool translucent) {
+    return texture.alpha || (texture.scalar && translucent);
+  };
+  bool alpha = known != translucent_.end() && wants_alpha(known->second);
+  ImageEncoding encoding = alpha ? ImageEncoding::kLinear : texture.encoding;
+  float gamma = encoding == ImageEncoding::kGamma ? texture.gamma : 0;
+  if (known != translucent_.end()) {
+    // Texels are shared whatever the encoding, unless it was applied to them.
+    for (const ImageKey& key : {ImageKey{texture.path, ImageEncoding::kLinear, 0, alpha},
+                                ImageKey{texture.path, encoding, gamma, alpha}}) {
+      const auto same = images_.find(key);
+      if (same == images_.end()) continue;
+      node.texels = same->second;
+      node.table = TableOf(encoding, gamma, tables);
+      return node;
+    }
   }
   absl::StatusOr<ImageFile> file = ReadTextureImage(texture, source_);
-  const absl::Status usable = file.ok() ? CheckTexels(*file) : file.status();
+  if (!file.ok()) return Annotate(file.status(), absl::StrCat("texture image ", texture.path));
+  alpha = wants_alpha(translucent_[texture.path] = IsTranslucent(*file));
+  encoding = alpha ? ImageEncoding::kLinear : texture.encoding;
+  gamma = encoding == ImageEncoding::kGamma ? texture.gamma : 0;
+  const absl::Status usable = CheckTexels(*file, alpha);
   if (!usable.ok()) return Annotate(usable, absl::StrCat("texture image ", texture.path));
+  node.table = TableOf(encoding, gamma, tables);
   node.texels = static_cast<uint32_t>(images->size());
-  images->push_back(ImageTexels::From(*file, texture.encoding, gamma));
-  if (file->sixteen_bit) {
-    images_[{texture.path, texture.encoding, gamma}] = node.texels;
-  } else {
-    images_[{texture.path, ImageEncoding::kLinear, 0}] = node.texels;
-  }
+  images->push_back(alpha ? ImageTexels::AlphaFrom(*file)
+                          : ImageTexels::From(*file, encoding, gamma));
+  const bool encoded = file->sixteen_bit && !alpha;
+  images_[{texture.path, encoded ? encoding : ImageEncoding::kLinear, encoded ? gamma : 0, alpha}] =
+      node.texels;
   return node;
 }
 
@@ -255,6 +298,7 @@ absl::StatusOr<std::unique_ptr<TextureSet>> TextureSet::Load(
   set->state_ = std::make_unique<State>();
   State& state = *set->state_;
   state.nodes.resize(textures.size());
+  state.steps.resize(textures.size());
   TextureLoader loader(textures, source);
   STRATA_ASSIGN_OR_RETURN(const std::vector<TextureId> order, loader.Order());
   for (const TextureId id : order) {
@@ -272,6 +316,7 @@ absl::StatusOr<std::unique_ptr<TextureSet>> TextureSet::Load(
       node = std::get<CheckerboardTexture>(texture);
     }
     const std::vector<TextureId> children = ChildrenOf(texture);
+    state.steps[id] = state.StepOf(node, children);
     if (!children.empty() &&
         std::all_of(children.begin(), children.end(),
                     [&](TextureId c) { return state.IsConstant(c); }) &&
@@ -282,6 +327,8 @@ absl::StatusOr<std::unique_ptr<TextureSet>> TextureSet::Load(
 }
 
 Rgb TextureSet::Eval(TextureId id, Vec2f uv, Vec3f p) const { return state_->Eval(id, uv, p); }
+
+Vec2f TextureSet::Step(TextureId id) const { return state_->steps[id]; }
 
 bool TextureSet::IsConstant(TextureId id) const { return state_->IsConstant(id); }
 

@@ -21,6 +21,8 @@ class TextureSet {
 
   /// `p` is the world-space point, for solid textures. kNoTexture gives black.
   Rgb Eval(TextureId id, Vec2f uv, Vec3f p) const;
+  /// How far apart in u and v to look it up for differences that are about its derivatives.
+  Vec2f Step(TextureId id) const;
   /// True when the texture is the same everywhere.
   bool IsConstant(TextureId id) const;
 

@@ -55,6 +55,24 @@ inline UnitVector NormalizeAny(Vec3f v) {
       static_cast<float>(scale)};
 }
 
+/// Texture coordinates of a triangle: those of its first corner, and by how much the others differ.
+struct TriangleUvs {
+  Vec2f uv0, d1 = {1, 0}, d2 = {1, 1};  ///< pbrt's default: (0,0), (1,0), (1,1).
+
+  Vec2f At(float u, float v) const {
+    return {uv0.x + (u * d1.x + v * d2.x), uv0.y + (u * d1.y + v * d2.y)};
+  }
+  float Determinant() const { return d1.x * d2.y - d1.y * d2.x; }
+};
+inline TriangleUvs UvsOf(const TriangleSet& set, const TriangleSet::Triangle& triangle) {
+  const uint32_t offset = set.shapes[triangle.shape].uv_offset;
+  if (offset == TriangleSet::Shape::kNone) return {};
+  const Vec2f uv0 = set.uvs[triangle.vertices[0] + offset];
+  const Vec2f uv1 = set.uvs[triangle.vertices[1] + offset];
+  const Vec2f uv2 = set.uvs[triangle.vertices[2] + offset];
+  return {uv0, {uv1.x - uv0.x, uv1.y - uv0.y}, {uv2.x - uv0.x, uv2.y - uv0.y}};
+}
+
 /// The point with barycentric coordinates (1 - u - v, u, v) of a triangle, in the set's space.
 ///
 /// p is p0 + (u e1 + v e2), which lies in the triangle's plane for any u and v, so that only its
@@ -89,20 +107,11 @@ inline SurfacePoint PointOnTriangle(const TriangleSet& set, uint32_t primitive, 
   const float tilt = Gamma(3) * Dot(cross_terms, reach) * normal.inverse_length;
   point.p_error = Gamma(1) * Abs(point.p) + Gamma(5) * reach + tilt * Abs(ng);
 
-  if (shape.uv_offset == TriangleSet::Shape::kNone) {
-    point.uv = {u + v, v};  // pbrt's default: (0,0), (1,0), (1,1).
-    point.dpdu = e1;
-  } else {
-    const Vec2f uv0 = set.uvs[triangle.vertices[0] + shape.uv_offset];
-    const Vec2f uv1 = set.uvs[triangle.vertices[1] + shape.uv_offset];
-    const Vec2f uv2 = set.uvs[triangle.vertices[2] + shape.uv_offset];
-    const Vec2f d1 = {uv1.x - uv0.x, uv1.y - uv0.y}, d2 = {uv2.x - uv0.x, uv2.y - uv0.y};
-    point.uv = {uv0.x + (u * d1.x + v * d2.x), uv0.y + (u * d1.y + v * d2.y)};
-    const float determinant = d1.x * d2.y - d1.y * d2.x;
-    if (determinant != 0) {
-      point.dpdu = (d2.y * e1 - d1.y * e2) / determinant;
-      if (!IsFinite(point.dpdu)) point.dpdu = {};
-    }
+  const TriangleUvs uvs = UvsOf(set, triangle);
+  point.uv = uvs.At(u, v);
+  if (const float determinant = uvs.Determinant(); determinant != 0) {
+    point.dpdu = (uvs.d2.y * e1 - uvs.d1.y * e2) / determinant;
+    if (!IsFinite(point.dpdu)) point.dpdu = {};
   }
 
   if (shape.normal_offset != TriangleSet::Shape::kNone) {
@@ -118,6 +127,44 @@ inline SurfacePoint PointOnTriangle(const TriangleSet& set, uint32_t primitive, 
     }
   }
   return point;
+}
+
+/// The derivatives at that point. Zero where the texture coordinates do not vary with the place.
+inline SurfaceDerivatives DerivativesOnTriangle(const TriangleSet& set, uint32_t primitive, float u,
+                                                float v) {
+  const TriangleSet::Triangle& triangle = set.triangles[primitive];
+  const TriangleSet::Shape& shape = set.shapes[triangle.shape];
+  const TriangleUvs uvs = UvsOf(set, triangle);
+  const float determinant = uvs.Determinant();
+  SurfaceDerivatives d;
+  if (determinant == 0) return d;
+  const auto along_u = [&](Vec3f e1, Vec3f e2) {
+    return (uvs.d2.y * e1 - uvs.d1.y * e2) / determinant;
+  };
+  const auto along_v = [&](Vec3f e1, Vec3f e2) {
+    return (uvs.d1.x * e2 - uvs.d2.x * e1) / determinant;
+  };
+  const Vec3f p0 = set.positions[triangle.vertices[0]];
+  const Vec3f e1 = set.positions[triangle.vertices[1]] - p0;
+  const Vec3f e2 = set.positions[triangle.vertices[2]] - p0;
+  d.dpdu = along_u(e1, e2);
+  d.dpdv = along_v(e1, e2);
+  if (!IsFinite(d.dpdu) || !IsFinite(d.dpdv)) return {};
+  if (shape.normal_offset == TriangleSet::Shape::kNone) return d;
+  const Vec3f n0 = set.normals[triangle.vertices[0] + shape.normal_offset];
+  const Vec3f n1 = set.normals[triangle.vertices[1] + shape.normal_offset] - n0;
+  const Vec3f n2 = set.normals[triangle.vertices[2] + shape.normal_offset] - n0;
+  const Vec3f ns = n0 + (n1 * u + n2 * v);
+  const float length2 = LengthSquared(ns);
+  if (!(length2 > 1e-8f)) return d;
+  // Of the unit vector along ns, on the side where PointOnTriangle puts it.
+  const Vec3f ng = Cross(e1, e2) * (triangle.flipped ? -1.0f : 1.0f);
+  const float scale = (Dot(ns, ng) < 0 ? -1 : 1) / std::sqrt(length2);
+  const auto turn = [&](Vec3f dn) { return (dn - ns * (Dot(ns, dn) / length2)) * scale; };
+  d.dndu = turn(along_u(n1, n2));
+  d.dndv = turn(along_v(n1, n2));
+  if (!IsFinite(d.dndu) || !IsFinite(d.dndv)) d.dndu = d.dndv = {};
+  return d;
 }
 
 }  // namespace strata

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "common/text.h"
 #include "worker/gltf/extension.h"
@@ -51,8 +52,14 @@ absl::Status AddLight(GltfDocument& document, const tinygltf::Node& node, const 
   } else if (light->type == "point") {
     description.light = PointLightDescription{position, strength};
   } else if (light->type == "spot") {
-    document.Warn(name, "a spot light shines to all sides, as a point light");
-    description.light = PointLightDescription{position, strength};
+    const auto degrees = [](double radians) {
+      return static_cast<float>(std::clamp(radians * 180 / std::numbers::pi, 0.0, 90.0));
+    };
+    const float outer = degrees(light->spot.outerConeAngle);
+    const float inner = std::min(degrees(light->spot.innerConeAngle), outer);
+    const Vec3f direction = ToFloat(Normalize(to_world.Vector({0, 0, -1})));
+    if (!IsFinite(direction)) return document.Error(element, "its light has no direction");
+    description.light = SpotLightDescription{position, direction, outer, inner, strength};
   } else {
     return document.Error(name + ".type",
                           StrCat("\"", light->type, "\" is none of directional, point and spot"));

@@ -113,15 +113,12 @@ absl::StatusOr<SurfaceDescription> MaterialMaker::Make(int index, const VertexCo
 absl::StatusOr<SurfaceDescription> MaterialMaker::Build(const Source& source,
                                                         const VertexColor& vertices) {
   const tinygltf::Material& m = *source.material;
-  if (source.normal.index >= 0)
-    document_.Warn(source.normal.element, "normal maps are not supported and left out");
-  if (m.alphaMode != "OPAQUE")
-    document_.Warn(source.element + ".alphaMode", "the surface is opaque");
   if (m.occlusionTexture.index >= 0)
     document_.Warn(source.element + ".occlusionTexture",
                    "occlusion is left out: the paths find it themselves");
   SurfaceDescription surface;
   STRATA_ASSIGN_OR_RETURN(const TextureId base_color, BaseColor(source, vertices));
+  STRATA_ASSIGN_OR_RETURN(surface.alpha, Alpha(source, vertices));
   if (source.Extension(document_, kUnlit).present()) {
     document_.Warn(source.element, "it is unlit: it emits its base colour, and lights others");
     surface.material = Add(DiffuseMaterial{textures_.Constant({})});
@@ -131,7 +128,14 @@ absl::StatusOr<SurfaceDescription> MaterialMaker::Build(const Source& source,
   }
   STRATA_ASSIGN_OR_RETURN(MetallicRoughnessMaterial material,
                           MetallicRoughnessOf(source, base_color));
+  const size_t first = document_.scene.materials.size();
   STRATA_ASSIGN_OR_RETURN(surface.material, AddVolume(source, std::move(material)));
+  STRATA_ASSIGN_OR_RETURN(const SurfaceDetail detail, Detail(source));
+  for (size_t id = first; detail.Any() && id < document_.scene.materials.size(); ++id) {
+    // A mix has the details of its parts.
+    if (!std::holds_alternative<MixMaterial>(document_.scene.materials[id]))
+      document_.scene.surface_details[static_cast<MaterialId>(id)] = detail;
+  }
   STRATA_ASSIGN_OR_RETURN(surface.emission, Emission(source));
   return surface;
 }
@@ -147,6 +151,30 @@ absl::StatusOr<TextureId> MaterialMaker::BaseColor(const Source& source,
   }
   if (color != kNoTexture && factor == Rgb{1, 1, 1}) return color;
   return textures_.Product(color, textures_.Constant(factor));
+}
+
+absl::StatusOr<AlphaMask> MaterialMaker::Alpha(const Source& source, const VertexColor& vertices) {
+  const tinygltf::Material& m = *source.material;
+  if (m.alphaMode == "OPAQUE") return AlphaMask{};
+  const float factor =
+      static_cast<float>(m.pbrMetallicRoughness.baseColorFactor[3]) * vertices.constant_alpha;
+  AlphaMask mask;
+  if (source.base_color.index >= 0) {
+    STRATA_ASSIGN_OR_RETURN(mask.texture, textures_.Alpha(source.base_color));
+  }
+  if (factor != 1)
+    mask.texture = textures_.Product(mask.texture, textures_.Constant(Rgb::Gray(factor)));
+  if (m.alphaMode == "MASK") mask.cutoff = static_cast<float>(m.alphaCutoff);
+  return mask;
+}
+
+absl::StatusOr<SurfaceDetail> MaterialMaker::Detail(const Source& source) {
+  SurfaceDetail detail;
+  if (source.normal.index < 0) return detail;
+  STRATA_ASSIGN_OR_RETURN(detail.normal_map, textures_.Color(source.normal, true));
+  detail.normal_scale = static_cast<float>(source.normal.scale);
+  detail.y_along_v = true;
+  return detail;
 }
 
 absl::StatusOr<MetallicRoughnessMaterial> MaterialMaker::MetallicRoughnessOf(const Source& source,

@@ -24,6 +24,7 @@ struct VertexColor {
 struct SurfaceDescription {
   MaterialId material = 0;
   std::optional<AreaEmission> emission;
+  AlphaMask alpha;
 };
 
 /// Makes the materials of a scene, each once. Both sides of a surface are rendered whether it is
@@ -51,6 +52,9 @@ class MaterialMaker {
   absl::StatusOr<SurfaceDescription> Build(const Source& source, const VertexColor& vertices);
 
   absl::StatusOr<TextureId> BaseColor(const Source& source, const VertexColor& vertices);
+  /// What of the surface is there: all of it if its alphaMode is OPAQUE.
+  absl::StatusOr<AlphaMask> Alpha(const Source& source, const VertexColor& vertices);
+  absl::StatusOr<SurfaceDetail> Detail(const Source& source);
   absl::StatusOr<MetallicRoughnessMaterial> MetallicRoughnessOf(const Source& source,
                                                                 TextureId base_color);
   /// Of a body with KHR_materials_volume what passes the surface is refracted, as by glass.

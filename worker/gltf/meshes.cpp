@@ -74,6 +74,7 @@ class PrimitiveReader {
     shape.where = document_.At(element_);
     shape.geometry = std::move(mesh_);
     shape.material = surface.material;
+    shape.alpha = surface.alpha;
     shape.emission = surface.emission;
     return shape;
   }

@@ -128,6 +128,12 @@ absl::StatusOr<TextureId> TextureMaker::Color(const TextureReference& reference,
   return Add(std::move(image));
 }
 
+absl::StatusOr<TextureId> TextureMaker::Alpha(const TextureReference& reference) {
+  STRATA_ASSIGN_OR_RETURN(ImageTexture image, Image(reference));
+  image.alpha = true;
+  return Add(std::move(image));
+}
+
 absl::StatusOr<TextureId> TextureMaker::Channel(const TextureReference& reference, int channel,
                                                 double factor) {
   STRATA_ASSIGN_OR_RETURN(ImageTexture image, Image(reference));

@@ -38,6 +38,8 @@ class TextureMaker {
   TextureId Constant(Rgb value);
   /// An image of colours, sRGB unless `linear`.
   absl::StatusOr<TextureId> Color(const TextureReference& reference, bool linear = false);
+  /// The alpha channel of an image; 1 if it has none.
+  absl::StatusOr<TextureId> Alpha(const TextureReference& reference);
   /// One channel of an image, linear, times `factor`.
   absl::StatusOr<TextureId> Channel(const TextureReference& reference, int channel, double factor);
   /// a b, where kNoTexture is 1.

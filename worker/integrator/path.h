@@ -1,12 +1,16 @@
 #pragma once
 
+#include <bit>
 #include <cstdint>
 #include <optional>
 
+#include "common/job.h"
 #include "worker/bsdf/bsdf.h"
-#include "worker/integrator/direct_strategy.h"
+#include "worker/integrator/hemisphere_strategy.h"
 #include "worker/light/light_set.h"
 #include "worker/light/mirror_guide.h"
+#include "worker/sampling/hash.h"
+#include "worker/sampling/roulette.h"
 #include "worker/sampling/sampler.h"
 #include "worker/sampling/warp.h"
 #include "worker/scene/scene.h"
@@ -18,6 +22,9 @@ namespace strata {
 struct PathSettings {
   int max_depth = 5;  ///< Bounces, as pbrt-v4's maxdepth: 0 shows emission alone.
   DirectStrategy direct = DirectStrategy::kMis;
+  /// Throughput from which on a path surely goes on; 0: no roulette. At a half variance times time
+  /// is near its least on the shared scenes (docs/performance.md).
+  float sure_survival = 0.5f;
   bool features = false;  ///< Whether PathSample::albedo is wanted.
 };
 
@@ -63,13 +70,18 @@ struct SilentObserver {
 
 namespace path_detail {
 
-inline constexpr float kMinSurvival = 0.05f;
-/// Throughput from which on a path surely goes on. At a half variance times time is near its
-/// least on the shared scenes (docs/performance.md).
-inline constexpr float kSureSurvival = 0.5f;
 /// Shadow segments end short of the light by this part of their length: Embree's distances to
 /// surfaces round, and the light must not shadow itself.
 inline constexpr float kShadowEnd = 1 - 0x1p-14f;
+
+/// Whether lights that directions meet are sampled too.
+inline bool SamplesLights(DirectStrategy strategy) {
+  return strategy == DirectStrategy::kMis || strategy == DirectStrategy::kLightOnly;
+}
+/// Whether directions come from the BSDF.
+inline bool FollowsBsdf(DirectStrategy strategy) {
+  return strategy != DirectStrategy::kCosine && strategy != DirectStrategy::kUniform;
+}
 
 inline Frame ShadingFrame(const SurfacePoint& point, Vec3f wo, bool isotropic) {
   // A surface that is seen from behind its interpolated normal is taken as flat.
@@ -84,11 +96,25 @@ inline bool SidesAgree(const PathVertex& vertex, Vec3f w_world, Vec3f w) {
   return Dot(vertex.point.ng, w_world) * w.z > 0;
 }
 
-inline bool IsBlocked(const Geometry& geometry, const SurfacePoint& point,
-                      const LightSample& light) {
-  if (light.infinite) return geometry.Occluded({OffsetRayOrigin(point, light.wi), light.wi});
-  const Vec3f origin = OffsetRayOrigin(point, light.wi);
-  return geometry.Occluded({origin, light.end - origin, kShadowEnd});
+/// The id of a ray (see Ray) made from the random numbers `u`: unlike its direction, these have the
+/// same bits in both kernels.
+inline uint32_t RayId(Vec2f u, bool shadow) {
+  const uint64_t bits =
+      (uint64_t{std::bit_cast<uint32_t>(u.x)} << 32) | std::bit_cast<uint32_t>(u.y);
+  return static_cast<uint32_t>(HashCombine(shadow ? 1 : 0, bits));
+}
+
+inline bool IsBlocked(const Geometry& geometry, const SurfacePoint& point, const LightSample& light,
+                      float time, uint32_t ray_id) {
+  Ray ray = {.origin = OffsetRayOrigin(point, light.wi),
+             .direction = light.wi,
+             .time = time,
+             .id = ray_id};
+  if (!light.infinite) {
+    ray.direction = light.end - ray.origin;
+    ray.t_max = kShadowEnd;
+  }
+  return geometry.Occluded(ray);
 }
 
 }  // namespace path_detail
@@ -105,6 +131,7 @@ class PathTracer {
   /// flatten: what is called from here, visits of variants too, is inlined. Left to itself gcc 12
   /// calls them one by one, and 4 to 8 % of the time goes into passing their results.
   [[gnu::flatten]] PathSample Trace(Ray ray) {
+    ray.id = RayId([&] { return sampler_.Get2D(kPairFilm); }, false);
     for (int depth = 0;; ++depth) {
       Hit hit;
       ++result_.rays;
@@ -119,13 +146,13 @@ class PathTracer {
 
       const bool last = depth == settings_.max_depth;
       if (last && depth > 0) break;
-      MakeBsdf(depth, vertex);
+      MakeBsdf(depth, ray, hit, vertex);
       observer_.OnVertex(depth, ray, vertex, beta_);
       if (depth == 0) DescribeFirstHit(vertex);
       if (last) break;
 
       StartGuide(depth, vertex);
-      AddDirectLight(depth, vertex);
+      AddDirectLight(depth, vertex, ray.time);
       if (!Scatter(depth, vertex, &ray) || !SurvivesRoulette(depth)) break;
     }
     // A throughput that is no number is a defect of the sample, whether it met light or not.
@@ -138,20 +165,27 @@ class PathTracer {
     return sampler_.Get2D(kPairFirstBounce + static_cast<uint32_t>(depth) * kPairsPerBounce + pair);
   }
 
+  /// See path_detail::RayId; 0 where ids do not matter. `u()` gives the random numbers.
+  template <typename Numbers>
+  uint32_t RayId(Numbers u, bool shadow) const {
+    return scene_.geometry().has_alpha() ? path_detail::RayId(u(), shadow) : 0;
+  }
+
   /// MIS weight of emission that the BSDF's direction met, where light sampling would have found it
   /// with density `light_pdf()`.
   template <typename LightPdf>
   float EmissionWeight(LightPdf&& light_pdf) const {
-    if (specular_ || settings_.direct == DirectStrategy::kBsdfOnly) return 1;
-    if (settings_.direct == DirectStrategy::kLightOnly) return 0;
+    if (specular_ || !path_detail::SamplesLights(settings_.direct)) return 1;
+    // Light sampling alone leaves out what it never finds, such as the dim parts of a sky.
+    if (settings_.direct == DirectStrategy::kLightOnly) return light_pdf() > 0 ? 0 : 1;
     return PowerHeuristic(bsdf_pdf_, light_pdf());
   }
 
   void AddEnvironment(const Ray& ray) {
     for (uint32_t light : scene_.lights().environments()) {
-      const Rgb radiance = scene_.lights().EnvironmentLe(light, ray.direction);
-      const float weight =
-          EmissionWeight([&] { return scene_.lights().EnvironmentPdf(light, ray.direction); });
+      const Rgb radiance = scene_.lights().EnvironmentLe(light, ray.origin, ray.direction);
+      const float weight = EmissionWeight(
+          [&] { return scene_.lights().EnvironmentPdf(light, previous_.p, ray.direction); });
       result_.radiance += beta_ * radiance * weight;
       observer_.OnMiss(ray, radiance, weight);
     }
@@ -175,16 +209,20 @@ class PathTracer {
     return {vertex.point.p, vertex.wo.z < 0 ? -n : n, !Transmits(*vertex.bsdf)};
   }
 
-  void MakeBsdf(int depth, PathVertex& vertex) {
+  void MakeBsdf(int depth, const Ray& ray, const Hit& hit, PathVertex& vertex) {
     const SurfacePoint& point = vertex.point;
-    vertex.frame = path_detail::ShadingFrame(point, vertex.wo_world,
-                                             scene_.materials().IsIsotropic(point.material));
+    const MaterialSet& materials = scene_.materials();
+    const bool detailed = materials.HasDetail(point.material);
+    vertex.frame = path_detail::ShadingFrame(
+        detailed ? materials.WithDetail(point, scene_.geometry().Derivatives(ray, hit),
+                                        vertex.wo_world, Get2D(depth, kPairLobe).y)
+                 : point,
+        vertex.wo_world, materials.HasPlainFrame(point.material));
     vertex.wo = vertex.frame.ToLocal(vertex.wo_world);
-    vertex.bsdf = scene_.materials().Constant(point.material);
+    vertex.bsdf = materials.Constant(point.material);
     if (vertex.bsdf) return;
-    bsdf_ =
-        scene_.materials().Evaluate(point.material, point.uv, point.p, Get2D(depth, kPairLobe).y);
-    vertex.bsdf = &bsdf_;
+    vertex.bsdf = &materials.Evaluate(point.material, point.uv, point.p, Get2D(depth, kPairLobe).y,
+                                      &bsdf_room_);
   }
 
   void DescribeFirstHit(const PathVertex& vertex) {
@@ -204,18 +242,18 @@ class PathTracer {
     guided_ = guide_.share() > 0;
   }
 
-  void AddDirectLight(int depth, const PathVertex& vertex) {
+  void AddDirectLight(int depth, const PathVertex& vertex, float time) {
     const LightSet& lights = scene_.lights();
-    if (lights.empty() || settings_.direct == DirectStrategy::kBsdfOnly || IsDelta(*vertex.bsdf))
-      return;
+    if (lights.empty() || IsDelta(*vertex.bsdf)) return;
     DirectSample direct;
     Vec2f u = Get2D(depth, kPairLight);
+    const uint32_t ray_id = RayId([&] { return u; }, true);
     const float u_low = lights.SelectNeedsLowBits() ? Get2D(depth, kPairSelect).x : 0;
     direct.choice = lights.Select(ReceiverAt(vertex), u.x, u_low);
     if (!(direct.choice.probability > 0)) return;
     u.x = direct.choice.u;
     const std::optional<LightSample> light = lights.Sample(direct.choice.light, vertex.point.p, u);
-    if (!light) return;
+    if (!light || (!light->delta && !path_detail::SamplesLights(settings_.direct))) return;
     direct.light = *light;
     const Vec3f wi = vertex.frame.ToLocal(light->wi);
     if (!path_detail::SidesAgree(vertex, light->wi, wi)) return;
@@ -228,7 +266,7 @@ class PathTracer {
       direct.weight = PowerHeuristic(light_pdf, direct.bsdf_pdf);
     }
     ++result_.rays;
-    direct.blocked = path_detail::IsBlocked(scene_.geometry(), vertex.point, *light);
+    direct.blocked = path_detail::IsBlocked(scene_.geometry(), vertex.point, *light, time, ray_id);
     const Rgb contribution =
         direct.blocked ? Rgb{} : beta_ * direct.f * light->radiance * (direct.weight / light_pdf);
     result_.radiance += contribution;
@@ -239,9 +277,11 @@ class PathTracer {
   bool Scatter(int depth, const PathVertex& vertex, Ray* ray) {
     const float u_lobe = Get2D(depth, kPairLobe).x;
     const Vec2f u = Get2D(depth, kPairBsdf);
+    const bool by_bsdf = path_detail::FollowsBsdf(settings_.direct);
     const std::optional<BsdfSample> sample =
-        guided_ ? SampleGuided(*vertex.bsdf, vertex.frame, vertex.wo, guide_, u_lobe, u)
-                : Sample(*vertex.bsdf, vertex.wo, u_lobe, u);
+        guided_   ? SampleGuided(*vertex.bsdf, vertex.frame, vertex.wo, guide_, u_lobe, u)
+        : by_bsdf ? Sample(*vertex.bsdf, vertex.wo, u_lobe, u)
+                  : SampleHemisphere(settings_.direct, *vertex.bsdf, vertex.wo, u_lobe, u);
     const Vec3f wi = sample ? vertex.frame.ToWorld(sample->wi) : Vec3f{};
     observer_.OnBsdf(sample, wi);
     if (!sample || IsBlack(sample->weight)) return false;
@@ -251,7 +291,9 @@ class PathTracer {
     bsdf_pdf_ = sample->pdf;
     if (sample->transmission) eta_scale_ *= sample->eta * sample->eta;
     previous_ = ReceiverAt(vertex);
-    *ray = {OffsetRayOrigin(vertex.point, wi), wi};
+    ray->origin = OffsetRayOrigin(vertex.point, wi);
+    ray->direction = wi;
+    ray->id = RayId([&] { return u; }, false);
     return true;
   }
 
@@ -260,9 +302,8 @@ class PathTracer {
   bool SurvivesRoulette(int depth) {
     const float throughput = MaxComponent(beta_) * eta_scale_;
     // Not a number goes on, to be counted as the defect it is.
-    if (depth < 1 || !(throughput < path_detail::kSureSurvival)) return true;
-    const float survival =
-        std::max(throughput / path_detail::kSureSurvival, path_detail::kMinSurvival);
+    if (depth < 1 || !(throughput < settings_.sure_survival)) return true;
+    const float survival = SurvivalProbability(throughput, settings_.sure_survival);
     const bool survives = Get2D(depth, kPairSelect).y < survival;
     beta_ *= 1 / survival;
     observer_.OnRoulette(survival, survives);
@@ -280,7 +321,7 @@ class PathTracer {
   bool specular_ = true;    ///< Light sampling could not have found what the ray meets next.
   float bsdf_pdf_ = 0;      ///< Of the ray's direction.
   LightReceiver previous_;  ///< The vertex the ray left.
-  Bsdf bsdf_;               ///< Of the vertex, where it varies over the surface.
+  BsdfRoom bsdf_room_;      ///< Of the vertex, where it varies over the surface.
   bool guided_ = false;     ///< Of the vertex: directions may come from guide_.
   MirrorGuide guide_;
 };

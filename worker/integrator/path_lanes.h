@@ -19,12 +19,15 @@ template <typename Sampler>
 class PathLanes {
  public:
   PathLanes(const Scene& scene, const PathSettings& settings)
-      : scene_(scene), settings_(settings) {}
+      : scene_(scene), settings_(settings), sure_survival_(SameFloat(settings.sure_survival)) {}
+
+  /// For a lane whose sample is of a pixel with another PathSettings::sure_survival.
+  void SetSureSurvival(int lane, float sure) { sure_survival_[lane] = sure; }
 
   /// Traces samples until there are no more. `next(lane, samplers)` starts the next one in a lane
-  /// of the samplers, or is false at the end; `rays(film, lens, mask)` gives the camera rays of
-  /// points of the samplers; `store(lane, sample)` takes what a lane has found, before it starts
-  /// another. flatten: see PathTracer::Trace.
+  /// of the samplers, or is false at the end; `rays(get, mask)` gives camera rays, whose
+  /// random numbers are get(pair); `store(lane, sample)` takes what a lane has found, before it
+  /// starts another. flatten: see PathTracer::Trace.
   template <typename Next, typename CameraRays, typename Store>
   [[gnu::flatten]] void Trace(Next next, CameraRays rays, Store store) {
     MaskLanes alive = {};
@@ -44,10 +47,13 @@ class PathLanes {
   template <typename CameraRays>
   void Start(MaskLanes starting, CameraRays rays) {
     const RayLanes camera = rays(
-        sampler_.Get2D(SameInt(kPairFilm), starting),
-        [&] { return sampler_.Get2D(SameInt(kPairLens), starting); }, starting);
+        [&](SamplePair pair) {
+          return sampler_.Get2D(SameInt(static_cast<int32_t>(pair)), starting);
+        },
+        starting);
     ray_.origin = Select(starting, camera.origin, ray_.origin);
     ray_.direction = Select(starting, camera.direction, ray_.direction);
+    ray_.time = starting ? camera.time : ray_.time;
     const FloatLanes one = SameFloat(1);
     beta_ = Select(starting, {one, one, one}, beta_);
     radiance_ = Select(starting, {}, radiance_);
@@ -56,6 +62,14 @@ class PathLanes {
     depth_ = starting ? IntLanes{} : depth_;
     rays_ = starting ? IntLanes{} : rays_;
     ForEachLane(starting, [&](int lane) { first_hit_[lane] = {}; });
+    if (scene_.geometry().has_alpha())
+      SetRayIds(&ray_, sampler_.Get2D(SameInt(kPairFilm), starting), false, starting);
+  }
+
+  static void SetRayIds(RayLanes* rays, Vec2Lanes u, bool shadow, MaskLanes mask) {
+    ForEachLane(mask, [&](int lane) {
+      rays->id[lane] = static_cast<int32_t>(path_detail::RayId({u.x[lane], u.y[lane]}, shadow));
+    });
   }
 
   PathSample Result(int lane) const {
@@ -107,11 +121,11 @@ class PathLanes {
 
   void AddEnvironment(int lane) {
     const LightSet& lights = scene_.lights();
-    const Vec3f direction = ray_.direction.Get(lane);
+    const Vec3f origin = ray_.origin.Get(lane), direction = ray_.direction.Get(lane);
     for (uint32_t light : lights.environments()) {
-      const float weight =
-          EmissionWeight(lane, [&] { return lights.EnvironmentPdf(light, direction); });
-      AddRadiance(lane, lights.EnvironmentLe(light, direction), weight);
+      const float weight = EmissionWeight(
+          lane, [&] { return lights.EnvironmentPdf(light, previous_.p.Get(lane), direction); });
+      AddRadiance(lane, lights.EnvironmentLe(light, origin, direction), weight);
     }
   }
 
@@ -158,15 +172,24 @@ class PathLanes {
     const MaterialSet& materials = scene_.materials();
     const MaterialId id = surface_.material[lane];
     const Bsdf* constant = materials.Constant(id);
-    const bool isotropic = materials.IsIsotropic(id);
-    if (constant && isotropic) return *constant;
+    const bool plain = materials.HasPlainFrame(id);
+    if (constant && plain) return *constant;
     const SurfacePoint point = scene_.geometry().Surface(ray_.Get(lane), hits.Get(lane));
-    if (!isotropic) frame_.Set(lane, path_detail::ShadingFrame(point, wo, false));
+    const auto u_mix = [&] {
+      MaskLanes only = {};
+      only[lane] = -1;
+      return Get2D(kPairLobe, only).y[lane];
+    };
+    if (materials.HasDetail(id)) {
+      const SurfaceDerivatives derivatives =
+          scene_.geometry().Derivatives(ray_.Get(lane), hits.Get(lane));
+      const SurfacePoint turned = materials.WithDetail(point, derivatives, wo, u_mix());
+      frame_.Set(lane, path_detail::ShadingFrame(turned, wo, false));
+    } else if (!plain) {
+      frame_.Set(lane, path_detail::ShadingFrame(point, wo, false));
+    }
     if (constant) return *constant;
-    MaskLanes only = {};
-    only[lane] = -1;
-    varying_[lane] = materials.Evaluate(id, point.uv, point.p, Get2D(kPairLobe, only).y[lane]);
-    return varying_[lane];
+    return materials.Evaluate(id, point.uv, point.p, u_mix(), &varying_[lane]);
   }
 
   void DescribeFirstHit(int lane, const Bsdf& bsdf, Vec3f wo) {
@@ -198,6 +221,8 @@ class PathLanes {
     });
     if (!Any(mask)) return;
     Vec2Lanes u = Get2D(kPairLight, mask);
+    RayLanes shadow;
+    if (scene_.geometry().has_alpha()) SetRayIds(&shadow, u, true, mask);
     IntLanes light = {};
     FloatLanes probability = SameFloat(1);
     if (lights.SelectNeedsLowBits()) {
@@ -229,9 +254,9 @@ class PathLanes {
     const FloatLanes light_pdf = sample.pdf * probability;
     const FloatLanes weight = sample.delta ? SameFloat(1) : PowerHeuristic(light_pdf, bsdf_pdf);
     rays_ -= mask;
-    RayLanes shadow;
     shadow.origin = OffsetRayOrigins(surface_.p, surface_.offset, surface_.ng, sample.wi);
     shadow.direction = Select(sample.infinite, sample.wi, sample.end - shadow.origin);
+    shadow.time = ray_.time;
     shadow.t_max = sample.infinite ? shadow.t_max : SameFloat(path_detail::kShadowEnd);
     mask &= ~Occluded(scene_.geometry(), shadow, mask);
     radiance_ =
@@ -267,6 +292,7 @@ class PathLanes {
     beta_ = Select(going, beta_ * weight, beta_);
     ray_.direction = frame_.ToWorld(wi);
     ray_.origin = OffsetRayOrigins(surface_.p, surface_.offset, surface_.ng, ray_.direction);
+    if (scene_.geometry().has_alpha()) SetRayIds(&ray_, u, false, going);
     previous_ = receiver_;
     return going & SidesAgree(ray_.direction, wi.z);
   }
@@ -282,10 +308,9 @@ class PathLanes {
 
   MaskLanes SurviveRoulette(MaskLanes mask) {
     const FloatLanes throughput = MaxComponent(beta_) * eta_scale_;
-    const MaskLanes plays = mask & (depth_ >= 1) & (throughput < path_detail::kSureSurvival);
+    const MaskLanes plays = mask & (depth_ >= 1) & (throughput < sure_survival_);
     if (!Any(plays)) return mask;
-    const FloatLanes survival =
-        Max(throughput / path_detail::kSureSurvival, SameFloat(path_detail::kMinSurvival));
+    const FloatLanes survival = SurvivalProbability(throughput, sure_survival_);
     const MaskLanes survives = Get2D(kPairSelect, plays).y < survival;
     beta_ = Select(plays, beta_ * (1 / survival), beta_);
     return mask & (~plays | survives);
@@ -300,7 +325,8 @@ class PathLanes {
   };
 
   const Scene& scene_;
-  const PathSettings& settings_;
+  const PathSettings settings_;
+  FloatLanes sure_survival_;
   SamplerLanes<Sampler> sampler_;
 
   // Carried from vertex to vertex, as in PathTracer.
@@ -320,9 +346,9 @@ class PathLanes {
   MaskLanes lambertian_ = {};  ///< Scatters as Lambert says, by reflectance_; others by bsdf_.
   RgbLanes reflectance_;
   std::array<const Bsdf*, kLanes> bsdf_ = {};
-  std::array<Vec3f, kLanes> wo_;      ///< Local; not of Lambertian lanes.
-  std::array<Bsdf, kLanes> varying_;  ///< BSDFs that are not the same over the surface.
-  MaskLanes guided_ = {};             ///< Directions may come from guides_.
+  std::array<Vec3f, kLanes> wo_;          ///< Local; not of Lambertian lanes.
+  std::array<BsdfRoom, kLanes> varying_;  ///< For BSDFs that are not the same over the surface.
+  MaskLanes guided_ = {};                 ///< Directions may come from guides_.
   std::array<MirrorGuide, kLanes> guides_;
 };
 

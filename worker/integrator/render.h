@@ -10,7 +10,6 @@
 #include "common/kernel_revision.h"
 #include "common/status.h"
 #include "common/unit.h"
-#include "worker/integrator/direct_strategy.h"
 #include "worker/light/light_options.h"
 #include "worker/scene/file_source.h"
 
@@ -42,10 +41,10 @@ class RenderPool {
 class Renderer {
  public:
   /// INVALID_ARGUMENT when the spec cannot be rendered with this scene. Strategies other than
-  /// kMis are for tests: the reference kernel alone knows them, and renders them for either.
-  static absl::StatusOr<std::unique_ptr<Renderer>> Create(
-      std::shared_ptr<const Scene> scene, const JobSpec& spec,
-      DirectStrategy direct = DirectStrategy::kMis);
+  /// kMis are for comparisons: the reference kernel alone knows them, and renders them for either.
+  /// Roulette by efficiency traces its pilot here.
+  static absl::StatusOr<std::unique_ptr<Renderer>> Create(std::shared_ptr<const Scene> scene,
+                                                          const JobSpec& spec);
   ~Renderer();
 
   /// The same bits for any pool. CANCELLED soon after `*cancel` becomes true.

@@ -47,7 +47,8 @@ constexpr size_t kHeldSamples = 4096;
 /// Non-finite samples of a unit that are named.
 constexpr size_t kMaxReplays = 4;
 
-PixelValue ValueOf(const Renderer::State& job, const PathSample& sample, float weight) {
+/// `time` is that of the camera ray.
+PixelValue ValueOf(const Renderer::State& job, const PathSample& sample, float weight, float time) {
   PixelValue value;
   value.color = sample.radiance * weight;
   if (job.layout.plain == 0) return value;
@@ -65,8 +66,7 @@ PixelValue ValueOf(const Renderer::State& job, const PathSample& sample, float w
     add(sample.normal.y);
     add(sample.normal.z);
   }
-  if (channels.depth)
-    add(sample.hit ? Dot(sample.position - job.camera.position(), job.camera.forward()) : 0);
+  if (channels.depth) add(sample.hit ? job.camera.Depth(sample.position, time) : 0);
   return value;
 }
 
@@ -188,8 +188,9 @@ void TraceOneByOne(const Renderer::State& job, TracedSamples<Sampler>& samples,
     sampler.StartSample(samples.index());
     float weight = 1;
     const Ray ray = job.CameraRay(samples.x(), samples.y(), sampler, &weight);
-    const PathSample sample = PathTracer(*job.scene, job.settings, sampler, observer).Trace(ray);
-    held.push_back({ValueOf(job, sample, weight), sample.rays});
+    const PathSettings settings = job.SettingsAt(samples.x(), samples.y());
+    const PathSample sample = PathTracer(*job.scene, settings, sampler, observer).Trace(ray);
+    held.push_back({ValueOf(job, sample, weight, ray.time), sample.rays});
   }
 }
 
@@ -199,25 +200,29 @@ void TraceSideBySide(const Renderer::State& job, TracedSamples<Sampler>& samples
   held.clear();
   std::array<size_t, kLanes> place;
   Vec2Lanes pixel;
-  FloatLanes weights = {};
-  PathLanes<Sampler>(*job.scene, job.settings)
-      .Trace(
-          [&](int lane, SamplerLanes<Sampler>& samplers) {
-            if (samples.AtEnd() || held.size() == kHeldSamples) return false;
-            samples.Next();
-            samplers.StartSample(lane, samples.sampler(), samples.index());
-            pixel.x[lane] = static_cast<float>(samples.x());
-            pixel.y[lane] = static_cast<float>(samples.y());
-            place[lane] = held.size();
-            held.emplace_back();
-            return true;
-          },
-          [&](Vec2Lanes film, auto lens, MaskLanes mask) {
-            return job.CameraRays(pixel, film, lens, mask, &weights);
-          },
-          [&](int lane, const PathSample& sample) {
-            held[place[lane]] = {ValueOf(job, sample, weights[lane]), sample.rays};
-          });
+  FloatLanes weights = {}, times = {};
+  const bool same_roulette = job.spec.roulette != RouletteKind::kEfficiency;
+  PathLanes<Sampler> lanes(*job.scene, job.SettingsAt(0, 0));
+  lanes.Trace(
+      [&](int lane, SamplerLanes<Sampler>& samplers) {
+        if (samples.AtEnd() || held.size() == kHeldSamples) return false;
+        samples.Next();
+        samplers.StartSample(lane, samples.sampler(), samples.index());
+        if (!same_roulette) lanes.SetSureSurvival(lane, job.roulette.At(samples.x(), samples.y()));
+        pixel.x[lane] = static_cast<float>(samples.x());
+        pixel.y[lane] = static_cast<float>(samples.y());
+        place[lane] = held.size();
+        held.emplace_back();
+        return true;
+      },
+      [&](auto get, MaskLanes mask) {
+        const RayLanes starting = job.CameraRays(pixel, get, mask, &weights);
+        times = mask ? starting.time : times;
+        return starting;
+      },
+      [&](int lane, const PathSample& sample) {
+        held[place[lane]] = {ValueOf(job, sample, weights[lane], times[lane]), sample.rays};
+      });
 }
 
 }  // namespace
@@ -255,19 +260,26 @@ void Renderer::State::RenderPixels(const WorkUnit& unit, int64_t begin, int64_t 
 }
 
 absl::StatusOr<std::unique_ptr<Renderer>> Renderer::Create(std::shared_ptr<const Scene> scene,
-                                                           const JobSpec& spec,
-                                                           DirectStrategy direct) {
+                                                           const JobSpec& spec) {
   STRATA_RETURN_IF_ERROR(ValidateJobSpec(spec));
   STRATA_ASSIGN_OR_RETURN(const Camera camera,
                           Camera::Create(scene->camera(), spec.width, spec.height));
+  const bool moves = scene->geometry().moves() || camera.moves();
   auto state = std::make_unique<State>(State{
       .scene = std::move(scene),
       .spec = spec,
       .layout = LayoutOf(spec),
       .camera = camera,
       .filter = FilterSampler(spec.filter),
-      .settings = {.max_depth = spec.max_depth, .direct = direct, .features = spec.channels.albedo},
+      .settings = {.max_depth = spec.max_depth,
+                   .direct = spec.strategy,
+                   .features = spec.channels.albedo},
+      .roulette =
+          RouletteMap(spec.width, spec.height,
+                      spec.roulette == RouletteKind::kOff ? 0 : PathSettings().sure_survival),
+      .moves = moves,
   });
+  if (spec.roulette == RouletteKind::kEfficiency) state->roulette = MeasureRoulette(*state);
   return std::unique_ptr<Renderer>(new Renderer(std::move(state)));
 }
 
@@ -280,15 +292,13 @@ absl::StatusOr<Partial> Renderer::Render(const WorkUnit& unit, RenderPool& pool,
   const auto start = std::chrono::steady_clock::now();
   Partial partial = EmptyPartial(unit, state_->layout);
   DefectList defects;
-  const bool sobol = state_->spec.sampler == SamplerKind::kSobol;
   const int64_t pixels = unit.pixels.Pixels();
   pool.state_->Run((pixels + kBlockPixels - 1) / kBlockPixels, [&](int64_t block) {
     if (cancel && cancel->load(std::memory_order_relaxed)) return;
     const int64_t end = std::min((block + 1) * kBlockPixels, pixels);
-    if (sobol)
-      state_->RenderPixels<SobolSampler>(unit, block * kBlockPixels, end, partial, defects);
-    else
-      state_->RenderPixels<IndependentSampler>(unit, block * kBlockPixels, end, partial, defects);
+    WithSampler(state_->spec.sampler, [&]<typename Sampler>() {
+      state_->RenderPixels<Sampler>(unit, block * kBlockPixels, end, partial, defects);
+    });
   });
   if (cancel && cancel->load(std::memory_order_relaxed))
     return absl::CancelledError("the unit was cancelled while it was rendered");

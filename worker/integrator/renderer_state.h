@@ -6,7 +6,9 @@
 #include "worker/integrator/camera.h"
 #include "worker/integrator/path.h"
 #include "worker/integrator/render.h"
+#include "worker/integrator/roulette_map.h"
 #include "worker/sampling/filter.h"
+#include "worker/sampling/pattern_sampler.h"
 #include "worker/sampling/sampler.h"
 #include "worker/sampling/warp.h"
 #include "worker/sampling/warp_lanes.h"
@@ -14,6 +16,14 @@
 namespace strata {
 
 class DefectList;
+
+/// Calls the function template `f` for the sampler that kernels of `kind` are compiled with.
+template <typename F>
+auto WithSampler(SamplerKind kind, F f) {
+  if (kind == SamplerKind::kSobol) return f.template operator()<SobolSampler>();
+  if (kind == SamplerKind::kIndependent) return f.template operator()<IndependentSampler>();
+  return f.template operator()<PatternSampler>();
+}
 
 /// All that decides a job's samples.
 struct Renderer::State {
@@ -23,9 +33,22 @@ struct Renderer::State {
   Camera camera;
   FilterSampler filter;
   PathSettings settings;
+  RouletteMap roulette;
+  bool moves = false;  ///< Something does: samples have times of their own.
 
   SampleKey Key(int x, int y, uint32_t replicate) const {
-    return {spec.seed, spec.frame, static_cast<uint32_t>(x), static_cast<uint32_t>(y), replicate};
+    return {.seed = spec.seed,
+            .frame = spec.frame,
+            .x = static_cast<uint32_t>(x),
+            .y = static_cast<uint32_t>(y),
+            .replicate = replicate,
+            .kind = spec.sampler};
+  }
+  /// The settings of a pixel's paths.
+  PathSettings SettingsAt(int x, int y) const {
+    PathSettings here = settings;
+    here.sure_survival = roulette.At(x, y);
+    return here;
   }
 
   /// The ray of the sample `sampler` has been started on, and its weight in the pixel.
@@ -35,14 +58,17 @@ struct Renderer::State {
     *weight = film.weight;
     const Vec2f lens =
         camera.has_lens() ? SampleConcentricDisk(sampler.Get2D(kPairLens)) : Vec2f{0, 0};
-    return camera.GenerateRay({x + 0.5f + film.offset.x, y + 0.5f + film.offset.y}, lens);
+    const float time = moves ? camera.TimeAt(sampler.Get2D(kPairTime).x) : 0;
+    Ray ray = camera.GenerateRay({x + 0.5f + film.offset.x, y + 0.5f + film.offset.y}, lens, time);
+    ray.time = time;
+    return ray;
   }
 
-  /// CameraRay for the lanes in `mask`, each of a pixel of its own: `film` and `lens` are points of
-  /// their samplers, the latter a function that gives them.
-  template <typename Lens>
-  RayLanes CameraRays(Vec2Lanes pixel, Vec2Lanes film, Lens lens, MaskLanes mask,
-                      FloatLanes* weights) const {
+  /// CameraRay for the lanes in `mask`, each of a pixel of its own: `get(pair)` gives the points of
+  /// a pair of their samplers.
+  template <typename Get>
+  RayLanes CameraRays(Vec2Lanes pixel, Get get, MaskLanes mask, FloatLanes* weights) const {
+    const Vec2Lanes film = get(kPairFilm);
     Vec2Lanes offset;
     ForEachLane(mask, [&](int lane) {
       const FilterSample sample = filter.Sample({film.x[lane], film.y[lane]});
@@ -50,8 +76,16 @@ struct Renderer::State {
       offset.y[lane] = sample.offset.y;
       (*weights)[lane] = sample.weight;
     });
-    return camera.GenerateRays({pixel.x + 0.5f + offset.x, pixel.y + 0.5f + offset.y},
-                               camera.has_lens() ? SampleConcentricDisk(lens()) : Vec2Lanes{});
+    const Vec2Lanes lens = camera.has_lens() ? SampleConcentricDisk(get(kPairLens)) : Vec2Lanes{};
+    FloatLanes time = {};
+    if (moves) {
+      const FloatLanes u = get(kPairTime).x;
+      ForEachLane(mask, [&](int lane) { time[lane] = camera.TimeAt(u[lane]); });
+    }
+    RayLanes rays = camera.GenerateRays({pixel.x + 0.5f + offset.x, pixel.y + 0.5f + offset.y},
+                                        lens, time, mask);
+    rays.time = time;
+    return rays;
   }
 
   /// All samples of pixels [begin, end) of the unit, written to their places in `partial`.

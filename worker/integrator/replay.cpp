@@ -81,8 +81,10 @@ std::string Renderer::State::ReplaySample(int x, int y, uint32_t replicate, uint
       "camera ray from %s towards %s, filter weight %.6g\n",
       x, y, replicate, sample, spec.seed, spec.frame, PositionText(scene->origin(), ray.origin),
       Text(ray.direction), weight);
+  if (moves) absl::StrAppendFormat(&text, "time of motion %.6g\n", ray.time);
   ReplayObserver observer(scene->origin(), &text);
-  const PathSample result = PathTracer(*scene, settings, sampler, observer).Trace(ray);
+  const PathSettings settings_here = SettingsAt(x, y);
+  const PathSample result = PathTracer(*scene, settings_here, sampler, observer).Trace(ray);
   const Rgb value = result.radiance * weight;
   absl::StrAppendFormat(&text, "value %s from %d rays%s\n", Text(value), result.rays,
                         IsFinite(value) ? "" : ": not finite, enters the pixel as zero");
@@ -90,9 +92,9 @@ std::string Renderer::State::ReplaySample(int x, int y, uint32_t replicate, uint
 }
 
 std::string Renderer::Replay(int x, int y, uint32_t replicate, uint32_t sample) const {
-  return state_->spec.sampler == SamplerKind::kSobol
-             ? state_->ReplaySample<SobolSampler>(x, y, replicate, sample)
-             : state_->ReplaySample<IndependentSampler>(x, y, replicate, sample);
+  return WithSampler(state_->spec.sampler, [&]<typename Sampler>() {
+    return state_->ReplaySample<Sampler>(x, y, replicate, sample);
+  });
 }
 
 }  // namespace strata

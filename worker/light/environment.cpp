@@ -2,65 +2,23 @@
 
 #include <cmath>
 
-#include "common/image_file.h"
+#include "worker/light/light_input.h"
 
 namespace strata {
-namespace {
-
-/// sRGB's transfer curve (IEC 61966-2-1), for images of 8 bits.
-float Linearize(float encoded) {
-  return encoded <= 0.04045f ? encoded / 12.92f : Pow((encoded + 0.055f) / 1.055f, 2.4f);
-}
-
-Rgb Pixel(const ImageFile& image, size_t index) {
-  const float* value = &image.values[index * image.channels];
-  const Rgb color = image.channels < 3 ? Rgb::Gray(value[0]) : Rgb{value[0], value[1], value[2]};
-  if (!image.eight_bit) return color;
-  return {Linearize(color.r), Linearize(color.g), Linearize(color.b)};
-}
-
-absl::StatusOr<Frame> Axes(const Transform& to_world) {
-  const auto axis = [&](Vec3d v) {
-    const Vec3d w = to_world.Vector(v);
-    const double length = std::sqrt(w.x * w.x + w.y * w.y + w.z * w.z);
-    return Vec3f{static_cast<float>(w.x / length), static_cast<float>(w.y / length),
-                 static_cast<float>(w.z / length)};
-  };
-  const Frame axes = {axis({1, 0, 0}), axis({0, 1, 0}), axis({0, 0, 1})};
-  constexpr float kTolerance = 1e-4f;
-  if (!(AbsDot(axes.x, axes.y) < kTolerance && AbsDot(axes.y, axes.z) < kTolerance &&
-        AbsDot(axes.z, axes.x) < kTolerance))
-    return absl::InvalidArgumentError(
-        "the environment's transform shears or is singular; use rotations and scales alone");
-  return axes;
-}
-
-}  // namespace
 
 absl::StatusOr<EnvironmentImage> EnvironmentImage::Load(const ImageInfiniteLightDescription& light,
                                                         const FileSource& source,
                                                         bool compensated) {
-  STRATA_ASSIGN_OR_RETURN(const std::filesystem::path path, source.Locate(light.path));
-  STRATA_ASSIGN_OR_RETURN(const ImageFile file, ReadImageFile(path));
+  STRATA_ASSIGN_OR_RETURN(LightImage image, ReadLightImage(light.path, light.scale, source));
   EnvironmentMapping mapping = light.mapping;
   if (mapping == EnvironmentMapping::kByShape)
     mapping =
-        file.width == file.height ? EnvironmentMapping::kEqualArea : EnvironmentMapping::kLatLong;
-  if (mapping == EnvironmentMapping::kEqualArea && file.width != file.height)
-    return absl::InvalidArgumentError(absl::StrCat(
-        light.path, ": the environment is ", file.width, "x", file.height,
-        " pixels, but the equal-area layout is square; convert it with 'imgtool makeequiarea'"));
-  STRATA_ASSIGN_OR_RETURN(const Frame axes, Axes(light.to_world));
-  std::vector<Rgb> pixels(static_cast<size_t>(file.width) * file.height);
-  for (size_t i = 0; i < pixels.size(); ++i) {
-    pixels[i] = Pixel(file, i) * light.scale;
-    const Rgb p = pixels[i];
-    if (!IsFinite(p) || p.r < 0 || p.g < 0 || p.b < 0)
-      return absl::InvalidArgumentError(
-          absl::StrCat(light.path, ": the environment's pixel (", i % file.width, ", ",
-                       i / file.width, ") is negative or not finite; radiance can be neither"));
-  }
-  return EnvironmentImage(file.width, file.height, std::move(pixels), mapping, axes, compensated);
+        image.width == image.height ? EnvironmentMapping::kEqualArea : EnvironmentMapping::kLatLong;
+  if (mapping == EnvironmentMapping::kEqualArea)
+    STRATA_RETURN_IF_ERROR(CheckEqualArea(image, light.path));
+  STRATA_ASSIGN_OR_RETURN(const Frame axes, LightAxes(light.to_world));
+  return EnvironmentImage(image.width, image.height, std::move(image.pixels), mapping, axes,
+                          compensated);
 }
 
 EnvironmentImage::EnvironmentImage(int width, int height, std::vector<Rgb> radiances,

@@ -4,9 +4,13 @@
 
 #include "worker/light/delta_lights.h"
 #include "worker/light/environment.h"
+#include "worker/light/goniometric_light.h"
+#include "worker/light/portal_environment.h"
+#include "worker/light/projection_light.h"
 #include "worker/light/quad_light.h"
 #include "worker/light/shape_light.h"
 #include "worker/light/sphere_light.h"
+#include "worker/light/spot_light.h"
 #include "worker/light/textured_light.h"
 #include "worker/light/triangle_light.h"
 
@@ -14,12 +18,15 @@
 //
 //   std::optional<LightSample> SampleLi(const X&, Vec3f from, Vec2f u)
 //   float PdfLi(const X&, Vec3f from, const EmissionHit&)    emissive surfaces
-//   float PdfLi(const X&, Vec3f direction)                   environments
+//   float PdfLi(const X&, Vec3f direction)                   environments; of portals with the
+//                                                            point it is seen from before it
 //   Rgb Le(...)                                              what a ray that meets it sees
+//   Rgb Intensity(const X&, Vec3f w)                         of points, away from them
 
 namespace strata {
 
 using Light = std::variant<TriangleLight, QuadLight, SphereLight, ShapeLight, TexturedLight,
-                           ConstantEnvironment, ImageEnvironment, PointLight, DistantLight>;
+                           ConstantEnvironment, ImageEnvironment, PortalEnvironment, PointLight,
+                           SpotLight, ProjectionLight, GoniometricLight, DistantLight>;
 
 }  // namespace strata

@@ -13,6 +13,10 @@ double SpreadAngle(const LightBounds& bounds) {
   return Acos(std::clamp(double{bounds.cos_spread}, -1.0, 1.0));
 }
 
+double EmitAngle(const LightBounds& bounds) {
+  return Acos(std::clamp(double{bounds.cos_emit}, -1.0, 1.0));
+}
+
 LightBounds Union(const LightBounds& a, const LightBounds& b) {
   const LightBounds &wide = a.cos_spread <= b.cos_spread ? a : b, &other = &wide == &a ? b : a;
   LightBounds both;
@@ -20,6 +24,7 @@ LightBounds Union(const LightBounds& a, const LightBounds& b) {
   both.max = Max(a.max, b.max);
   both.intensity = a.intensity + b.intensity;
   both.two_sided = a.two_sided || b.two_sided;
+  both.cos_emit = both.two_sided ? 0 : std::min(a.cos_emit, b.cos_emit);
   both.axis = wide.axis;
   both.cos_spread = wide.cos_spread;
   if (wide.cos_spread <= -1 || wide.axis == other.axis) return both;

@@ -12,11 +12,13 @@ struct LightReceiver {
 };
 
 /// Where a light, or a group of them, is and where it shines (Conty Estevez and Kulla 2018, with
-/// the box's sphere; PBRT 12.6.3). All emit as Lambert's law says or evenly around.
+/// the box's sphere; PBRT 12.6.3). All emit evenly within the cone and, beyond it, at most as
+/// Lambert's law says, up to another angle.
 struct LightBounds {
   Vec3f min, max;
   Vec3f axis = {0, 0, 1};  ///< Unit: the normals lie in a cone around it.
   float cos_spread = -1;   ///< Of the cone's half-angle; -1: anywhere.
+  float cos_emit = 0;      ///< Of the angle off the cone up to which they shine.
   float intensity = 0;     ///< Luminance of the intensity along a normal. Relative.
   bool two_sided = false;
 
@@ -25,6 +27,8 @@ struct LightBounds {
 
 /// Half-angle of the cone of normals, in radians.
 double SpreadAngle(const LightBounds& bounds);
+/// The angle off it up to which there is light, in radians.
+double EmitAngle(const LightBounds& bounds);
 /// What bounds both.
 LightBounds Union(const LightBounds& a, const LightBounds& b);
 

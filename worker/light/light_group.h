@@ -18,13 +18,18 @@ using Floats4 __attribute__((vector_size(16))) = float;
 inline constexpr float kLeastDistance2 = 1e-36f, kMostDistance2 = 1e36f, kLeastWeight = 1e-37f;
 
 struct LightGroup {
+  /// Cosines are known to some roundings: what faces away by no more than this may still give
+  /// light, and what faces edge-on keeps a chance.
+  static constexpr float kSlack = 1e-3f;
+  static constexpr float kTwoSided = -4;
+
   Floats4 x = {}, y = {}, z = {};  ///< Centres.
   Floats4 radius2 = {};            ///< Of spheres around what is there.
   Floats4 axis_x = {}, axis_y = {}, axis_z = {};
   Floats4 cos_spread = {}, sin_spread = {};
-  Floats4 one_sided = {};   ///< 1 or 0.
-  Floats4 intensity = {};   ///< 0: nothing there.
-  uint32_t lights[4] = {};  ///< Below each.
+  Floats4 least_facing = {};  ///< Cosine off the cone below which all is dark; or kTwoSided.
+  Floats4 intensity = {};     ///< 0: nothing there.
+  uint32_t lights[4] = {};    ///< Below each.
 
   void Set(int place, const LightBounds& bounds, uint32_t count) {
     const Vec3f center = bounds.Center();
@@ -39,7 +44,7 @@ struct LightGroup {
     axis_z[place] = bounds.axis.z;
     cos_spread[place] = bounds.cos_spread;
     sin_spread[place] = std::sqrt(std::max(0.0f, 1 - bounds.cos_spread * bounds.cos_spread));
-    one_sided[place] = bounds.two_sided ? 0.0f : 1.0f;
+    least_facing[place] = bounds.two_sided ? kTwoSided : bounds.cos_emit - kSlack;
     intensity[place] = bounds.intensity;
     lights[place] = count;
   }
@@ -65,11 +70,8 @@ inline Angle4 SubClamped(Angle4 a, Angle4 b) {
           none ? All(1) : a.cos * b.cos + a.sin * b.sin};
 }
 
-/// Cosines are known to some roundings: what faces away by no more than this may still give light,
-/// and what faces edge-on keeps a chance.
-inline Floats4 Facing(Floats4 cosine) {
-  constexpr float kSlack = 1e-3f;
-  return cosine < -kSlack ? All(0) : Max(cosine, All(kSlack));
+inline Floats4 Facing(Floats4 cosine, Floats4 least) {
+  return cosine < least ? All(0) : Max(cosine, All(LightGroup::kSlack));
 }
 
 }  // namespace light_group_detail
@@ -86,13 +88,14 @@ inline Floats4 Importance(const LightGroup& group, const LightReceiver& receiver
   const Angle4 size = {Sqrt(sin_size2), Sqrt(Max(All(0), 1 - sin_size2))};
 
   Floats4 cosine = (group.axis_x * x + group.axis_y * y + group.axis_z * z) * inverse;
-  cosine = group.one_sided > 0 ? cosine : Abs(cosine);
+  cosine = group.least_facing > LightGroup::kTwoSided ? cosine : Abs(cosine);
   const Angle4 off_axis = SubClamped({SinOf(cosine), cosine}, {group.sin_spread, group.cos_spread});
-  const Floats4 facing = Facing(SubClamped(off_axis, size).cos);
+  const Floats4 facing = Facing(SubClamped(off_axis, size).cos, group.least_facing);
 
   Floats4 incident = -(receiver.n.x * x + receiver.n.y * y + receiver.n.z * z) * inverse;
   if (!receiver.one_sided) incident = Abs(incident);
-  const Floats4 lit = Facing(SubClamped({SinOf(incident), incident}, size).cos);
+  const Floats4 lit =
+      Facing(SubClamped({SinOf(incident), incident}, size).cos, All(-LightGroup::kSlack));
   const Floats4 outside = group.intensity * facing * lit * inverse2;
   const Floats4 weight = distance2 > group.radius2 ? outside : group.intensity * inverse2;
   const Floats4 seen = distance2 > group.radius2 ? Min(facing, lit) : All(1);

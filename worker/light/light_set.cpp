@@ -18,6 +18,13 @@ double PowerFromAfar(double irradiance_sum, double scene_radius) {
 /// The part of the choices between groups that does not go by power, as in LightTree.
 constexpr double kEvenShare = 0.01;
 
+bool ShinesFromPoint(const LightDescription& description) {
+  return std::holds_alternative<PointLightDescription>(description.light) ||
+         std::holds_alternative<SpotLightDescription>(description.light) ||
+         std::holds_alternative<ProjectionLightDescription>(description.light) ||
+         std::holds_alternative<GoniometricLightDescription>(description.light);
+}
+
 double SceneRadius(const Geometry& geometry) {
   const Geometry::Bounds bounds = geometry.bounds();
   const Vec3f diagonal = bounds.max - bounds.min;
@@ -36,15 +43,16 @@ absl::StatusOr<LightSet> LightSet::Build(const SceneDescription& scene, const Ge
   set.textured_ = std::move(surfaces.textured);
   std::vector<PlacedLight>& placed = surfaces.lights;
   for (const LightDescription& description : scene.lights) {
-    if (const auto* point = std::get_if<PointLightDescription>(&description.light))
-      placed.push_back(MakePointLight(*point));
+    auto light = set.MakePlaced(description, source);
+    if (!light.ok()) return Annotate(light.status(), description.where.ToString());
+    if (*light) placed.push_back(**light);
   }
   for (const PlacedLight& light : placed) set.lights_.push_back(light.light);
   set.BuildTree(placed, options.selection);
 
   const double radius = SceneRadius(geometry);
   for (const LightDescription& description : scene.lights) {
-    if (std::holds_alternative<PointLightDescription>(description.light)) continue;
+    if (ShinesFromPoint(description)) continue;
     const uint32_t index = static_cast<uint32_t>(set.lights_.size());
     if (const auto* distant = std::get_if<DistantLightDescription>(&description.light)) {
       set.lights_.push_back(DistantLight{distant->direction, distant->irradiance});
@@ -52,7 +60,17 @@ absl::StatusOr<LightSet> LightSet::Build(const SceneDescription& scene, const Ge
     } else {
       Rgb mean;
       set.environments_.push_back(index);
-      if (const auto* image = std::get_if<ImageInfiniteLightDescription>(&description.light)) {
+      const auto* image = std::get_if<ImageInfiniteLightDescription>(&description.light);
+      if (image && image->portal) {
+        auto loaded = PortalImage::Load(*image, source);
+        if (!loaded.ok()) return Annotate(loaded.status(), description.where.ToString());
+        set.portals_.push_back(std::make_unique<PortalImage>(*std::move(loaded)));
+        const PortalImage& portal = *set.portals_.back();
+        set.lights_.push_back(PortalEnvironment{&portal});
+        set.AddFromAfar(double{portal.Area()} * Luminance(portal.irradiance));
+        continue;
+      }
+      if (image) {
         auto loaded = EnvironmentImage::Load(*image, source, options.compensate);
         if (!loaded.ok()) return Annotate(loaded.status(), description.where.ToString());
         set.images_.push_back(std::make_unique<EnvironmentImage>(*std::move(loaded)));
@@ -70,6 +88,27 @@ absl::StatusOr<LightSet> LightSet::Build(const SceneDescription& scene, const Ge
   return set;
 }
 
+absl::StatusOr<std::optional<PlacedLight>> LightSet::MakePlaced(const LightDescription& description,
+                                                                const FileSource& source) {
+  if (!ShinesFromPoint(description)) return std::nullopt;
+  if (const auto* point = std::get_if<PointLightDescription>(&description.light))
+    return MakePointLight(*point);
+  if (const auto* spot = std::get_if<SpotLightDescription>(&description.light))
+    return MakeSpotLight(*spot);
+  if (const auto* projection = std::get_if<ProjectionLightDescription>(&description.light)) {
+    STRATA_ASSIGN_OR_RETURN(Projection loaded, Projection::Load(*projection, source));
+    projections_.push_back(std::make_unique<Projection>(std::move(loaded)));
+    return MakeProjectionLight(*projection, *projections_.back());
+  }
+  const auto& lamp = std::get<GoniometricLightDescription>(description.light);
+  std::unique_ptr<Diagram>& diagram = diagrams_[lamp.path];
+  if (!diagram) {
+    STRATA_ASSIGN_OR_RETURN(Diagram loaded, Diagram::Load(lamp.path, source));
+    diagram = std::make_unique<Diagram>(std::move(loaded));
+  }
+  return MakeGoniometricLight(lamp, *diagram);
+}
+
 void LightSet::AddFromAfar(double power) {
   const uint32_t light = static_cast<uint32_t>(places_.size());
   places_.push_back({static_cast<uint32_t>(groups_.size())});
@@ -80,6 +119,7 @@ void LightSet::BuildTree(const std::vector<PlacedLight>& placed, LightSelection 
   places_.resize(placed.size());
   double total = 0, power = 0;
   for (const PlacedLight& light : placed) {
+    if (light.masked) continue;
     total += light.intensity;
     power += light.power;
   }
@@ -88,7 +128,7 @@ void LightSet::BuildTree(const std::vector<PlacedLight>& placed, LightSelection 
   constexpr double kFaintest = 1e-30;
   std::vector<LightBounds> bounds;
   for (uint32_t i = 0; i < placed.size(); ++i) {
-    if (known && !(placed[i].intensity > 0)) continue;
+    if (placed[i].masked || (known && !(placed[i].intensity > 0))) continue;
     places_[i] = {0, static_cast<uint32_t>(bounds.size())};
     tree_lights_.push_back(i);
     LightBounds& b = bounds.emplace_back(placed[i].bounds);
@@ -98,7 +138,10 @@ void LightSet::BuildTree(const std::vector<PlacedLight>& placed, LightSelection 
   if (bounds.empty()) return;
   groups_.push_back({Group::kTree, power, known ? static_cast<uint32_t>(bounds.size()) : 0u});
   tree_ = LightTree::Build(bounds, known ? selection : LightSelection::kUniform);
-  if (known && bounds.size() <= kMaxLamps) lamps_ = std::move(bounds);
+  if (!known || bounds.size() > kMaxLamps) return;
+  for (const LightBounds& b : bounds) {
+    if (b.cos_emit == 0) lamps_.push_back(b);
+  }
 }
 
 void LightSet::FindProbabilities() {

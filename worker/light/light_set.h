@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "common/status.h"
@@ -26,7 +28,9 @@ class LightSet {
                                         const TextureSet& textures, const FileSource& source,
                                         const LightOptions& options = {});
 
-  bool empty() const { return lights_.empty(); }
+  /// Whether there is no light to choose. Lights with an alpha mask are never chosen: rays that
+  /// meet what is there of them find their light.
+  bool empty() const { return groups_.empty(); }
   const std::vector<Light>& lights() const { return lights_; }
 
   struct Choice {
@@ -41,8 +45,8 @@ class LightSet {
   float Probability(uint32_t light, const LightReceiver& receiver) const;
 
   static constexpr size_t kMaxLamps = 64;
-  /// Where those lights are that shine from a place, if there are no more than kMaxLamps; else
-  /// empty.
+  /// Where those lights are that shine from a place and all around or off a surface, if there are
+  /// no more than kMaxLamps; else empty.
   const std::vector<LightBounds>& lamps() const { return lamps_; }
 
   /// The light that the emissive surface `surface` (SurfacePoint::light) is, or is a part of.
@@ -59,8 +63,9 @@ class LightSet {
 
   /// Indices of the lights that a ray which leaves the scene sees.
   const std::vector<uint32_t>& environments() const { return environments_; }
-  Rgb EnvironmentLe(uint32_t light, Vec3f direction) const;
-  float EnvironmentPdf(uint32_t light, Vec3f direction) const;
+  /// `from` is where the ray comes from; the pdf, that of having sampled the direction there.
+  Rgb EnvironmentLe(uint32_t light, Vec3f from, Vec3f direction) const;
+  float EnvironmentPdf(uint32_t light, Vec3f from, Vec3f direction) const;
 
  private:
   /// What the first choice is among: a light from afar, or all those at a place.
@@ -74,11 +79,14 @@ class LightSet {
   };
   /// Where a light is chosen.
   struct Place {
-    static constexpr uint32_t kNowhere = ~0u;  ///< It is black.
+    static constexpr uint32_t kNowhere = ~0u;  ///< It is black or has an alpha mask.
     uint32_t group = kNowhere;
     uint32_t index = 0;  ///< In the tree, if the group is that.
   };
 
+  /// A light that shines from a point; none for the others.
+  absl::StatusOr<std::optional<PlacedLight>> MakePlaced(const LightDescription& description,
+                                                        const FileSource& source);
   /// The next light.
   void AddFromAfar(double power);
   /// `placed` are the first lights.
@@ -90,7 +98,10 @@ class LightSet {
   std::vector<uint32_t> light_of_surface_;
   std::vector<uint32_t> environments_;
   std::vector<std::unique_ptr<EnvironmentImage>> images_;
+  std::vector<std::unique_ptr<PortalImage>> portals_;
   std::vector<std::unique_ptr<TexturedSurface>> textured_;
+  std::vector<std::unique_ptr<Projection>> projections_;
+  std::map<std::string, std::unique_ptr<Diagram>> diagrams_;  ///< By path.
   std::vector<Group> groups_;
   std::vector<Place> places_;  ///< Of each light.
   LightTree tree_;
@@ -119,7 +130,7 @@ inline LightSet::Choice LightSet::Select(const LightReceiver& receiver, float u,
 }
 
 inline float LightSet::Probability(uint32_t light, const LightReceiver& receiver) const {
-  if (lights_.size() == 1) return 1;
+  if (lights_.size() == 1) return empty() ? 0 : 1;
   const Place& place = places_[light];
   if (place.group == Place::kNowhere) return 0;
   const Group& group = groups_[place.group];
@@ -169,18 +180,21 @@ inline LightSampleLanes LightSet::Sample(IntLanes light, Vec3Lanes from, Vec2Lan
   return samples;
 }
 
-inline Rgb LightSet::EnvironmentLe(uint32_t light, Vec3f direction) const {
+inline Rgb LightSet::EnvironmentLe(uint32_t light, Vec3f from, Vec3f direction) const {
   const Light& l = lights_[light];
   if (const auto* constant = std::get_if<ConstantEnvironment>(&l)) return Le(*constant, direction);
-  return Le(*std::get_if<ImageEnvironment>(&l), direction);
+  if (const auto* image = std::get_if<ImageEnvironment>(&l)) return Le(*image, direction);
+  return Le(*std::get_if<PortalEnvironment>(&l), from, direction);
 }
 
-inline float LightSet::EnvironmentPdf(uint32_t light, Vec3f direction) const {
+inline float LightSet::EnvironmentPdf(uint32_t light, Vec3f from, Vec3f direction) const {
   const Light& l = lights_[light];
   const float probability = Probability(light, {});
   if (const auto* constant = std::get_if<ConstantEnvironment>(&l))
     return probability * PdfLi(*constant, direction);
-  return probability * PdfLi(*std::get_if<ImageEnvironment>(&l), direction);
+  if (const auto* image = std::get_if<ImageEnvironment>(&l))
+    return probability * PdfLi(*image, direction);
+  return probability * PdfLi(*std::get_if<PortalEnvironment>(&l), from, direction);
 }
 
 }  // namespace strata

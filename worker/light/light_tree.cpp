@@ -27,7 +27,7 @@ constexpr int kBuckets = 12;
 /// makes groups compact in place and direction (Conty Estevez and Kulla, 4.4).
 double Cost(const LightBounds& b) {
   const double spread = SpreadAngle(b);
-  const double reach = std::min(spread + kHalfTurn / 2, kHalfTurn);
+  const double reach = std::min(spread + EmitAngle(b), kHalfTurn);
   const double sine = Sin(spread), cosine = b.cos_spread;
   const double directions =
       2 * kHalfTurn * (1 - cosine) +

@@ -31,7 +31,7 @@ SurfaceLight LightOf(const Emitter& emitter, const Geometry& geometry) {
     return SphereLight{sphere->center, sphere->radius, sphere->inward, emitter.radiance,
                        emitter.two_sided};
   return ShapeLight{&geometry, std::get<OtherEmitter>(emitter.shape), emitter.radiance,
-                    emitter.two_sided};
+                    emitter.two_sided, emitter.area};
 }
 
 FlatUv UvOf(const TriangleEmitter& triangle) {
@@ -69,7 +69,7 @@ std::optional<QuadLight> QuadOf(const Emitter& a, const Emitter& b, bool solid_a
   const auto* first = std::get_if<TriangleEmitter>(&a.shape);
   const auto* second = std::get_if<TriangleEmitter>(&b.shape);
   if (!first || !second || a.radiance != b.radiance || a.two_sided != b.two_sided ||
-      a.texture != b.texture)
+      a.texture != b.texture || a.masked != b.masked)
     return std::nullopt;
   if (a.texture != kNoTexture && !Continues(UvOf(*first), *second)) return std::nullopt;
   if (!(Dot(first->ng, second->ng) > 1 - 1e-6f)) return std::nullopt;
@@ -130,26 +130,28 @@ TexturePoint PointOf(const Emitter& emitter, const Geometry& geometry, Vec2f u) 
   return {p, geometry.EmitterUv(shape.shape, p)};
 }
 
-/// Luminance of the emitter's radiance, about its mean where a texture multiplies it.
-double MeanLuminance(const Emitter& emitter, const Geometry& geometry, const TextureSet& textures) {
-  if (emitter.texture == kNoTexture) return Luminance(emitter.radiance);
-  // A texture that is black at all points of the grid may not be so between them.
-  constexpr double kLeast = 1e-4;
+/// Of the texture that multiplies the emitter's radiance, about its mean.
+Rgb MeanFactor(const Emitter& emitter, const Geometry& geometry, const TextureSet& textures) {
+  if (emitter.texture == kNoTexture) return Rgb::Gray(1);
   constexpr int kGrid = 16;
-  double sum = 0;
+  Rgb sum;
   for (int i = 0; i < kGrid * kGrid; ++i) {
     const Vec2f u = {(static_cast<float>(i % kGrid) + 0.5f) / kGrid,
                      (static_cast<float>(i / kGrid) + 0.5f) / kGrid};
     const TexturePoint point = PointOf(emitter, geometry, u);
     const Rgb factor = textures.Eval(emitter.texture, point.uv, point.p);
-    sum += std::max(0.0f, Luminance(emitter.radiance * factor));
+    sum += {std::max(factor.r, 0.0f), std::max(factor.g, 0.0f), std::max(factor.b, 0.0f)};
   }
-  return std::max(sum / (kGrid * kGrid), kLeast * Luminance(emitter.radiance));
+  return sum / (kGrid * kGrid);
 }
 
 /// What the light's radiance integrates to: along the normal by area, or, of what is not flat, over
 /// its shadow's mean if it is convex, which is a quarter of its area; and over all directions.
-void AddEmission(const Emitter& emitter, double luminance, PlacedLight* placed) {
+void AddEmission(const Emitter& emitter, Rgb mean_factor, PlacedLight* placed) {
+  // A texture that is black at all points of the grid may not be so between them.
+  constexpr float kLeast = 1e-4f;
+  const float luminance =
+      std::max(Luminance(emitter.radiance * mean_factor), kLeast * Luminance(emitter.radiance));
   const auto* other = std::get_if<OtherEmitter>(&emitter.shape);
   const bool flat = other ? other->flat : std::holds_alternative<TriangleEmitter>(emitter.shape);
   placed->intensity += (flat ? 1 : 0.25) * double{emitter.area} * luminance;
@@ -173,7 +175,8 @@ SurfaceLights MakeSurfaceLights(const Geometry& geometry, const TextureSet& text
     const Emitter& emitter = emitters[i];
     SurfaceLight light = LightOf(emitter, geometry);
     PlacedLight placed;
-    AddEmission(emitter, MeanLuminance(emitter, geometry, textures), &placed);
+    Rgb mean = MeanFactor(emitter, geometry, textures);
+    AddEmission(emitter, mean, &placed);
     result.light_of_surface.push_back(static_cast<uint32_t>(result.lights.size()));
     std::optional<QuadLight> quad;
     if (options.quads && i + 1 < emitters.size())
@@ -181,30 +184,24 @@ SurfaceLights MakeSurfaceLights(const Geometry& geometry, const TextureSet& text
     if (quad) {
       light = *quad;
       ++i;
-      AddEmission(emitters[i], MeanLuminance(emitters[i], geometry, textures), &placed);
+      const Rgb other_mean = MeanFactor(emitters[i], geometry, textures);
+      AddEmission(emitters[i], other_mean, &placed);
+      mean = (mean + other_mean) * 0.5f;
       result.light_of_surface.push_back(result.light_of_surface.back());
     }
     placed.bounds = BoundsOf(light);
     placed.bounds.two_sided = emitter.two_sided;
+    placed.masked = emitter.masked;
     if (emitter.texture == kNoTexture) {
       placed.light = std::visit([](const auto& plain) { return Light(plain); }, light);
     } else {
       result.textured.push_back(std::make_unique<TexturedSurface>(
-          TexturedSurface{light, UvOf(emitter, geometry), &textures, emitter.texture}));
+          TexturedSurface{light, UvOf(emitter, geometry), &textures, emitter.texture, mean}));
       placed.light = TexturedLight{result.textured.back().get()};
     }
     result.lights.push_back(std::move(placed));
   }
   return result;
-}
-
-PlacedLight MakePointLight(const PointLightDescription& description) {
-  const Vec3f position = ToFloat(description.position);
-  const double intensity = Luminance(description.intensity);
-  return {PointLight{position, description.intensity},
-          {position, position},
-          intensity,
-          4 * std::numbers::pi * intensity};
 }
 
 }  // namespace strata

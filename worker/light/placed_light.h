@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "common/status.h"
 #include "worker/geometry/geometry.h"
 #include "worker/light/light.h"
 #include "worker/light/light_bounds.h"
@@ -17,6 +18,7 @@ struct PlacedLight {
   LightBounds bounds;    ///< Without an intensity.
   double intensity = 0;  ///< Luminance along a normal, per solid angle.
   double power = 0;
+  bool masked = false;  ///< By alpha: not to be sampled, its points may not be there.
 };
 
 /// The emissive surfaces of a scene as lights.
@@ -30,5 +32,12 @@ struct SurfaceLights {
 SurfaceLights MakeSurfaceLights(const Geometry& geometry, const TextureSet& textures,
                                 const LightOptions& options);
 PlacedLight MakePointLight(const PointLightDescription& description);
+PlacedLight MakeSpotLight(const SpotLightDescription& description);
+/// `projection` and `diagram` must outlive the light.
+PlacedLight MakeProjectionLight(const ProjectionLightDescription& description,
+                                const Projection& projection);
+/// INVALID_ARGUMENT for a transform that shears and a diagram too dark to be given a power.
+absl::StatusOr<PlacedLight> MakeGoniometricLight(const GoniometricLightDescription& description,
+                                                 const Diagram& diagram);
 
 }  // namespace strata

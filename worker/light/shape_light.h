@@ -14,6 +14,7 @@ struct ShapeLight {
   OtherEmitter shape;
   Rgb radiance;
   bool two_sided = false;
+  float area = 0;
 };
 
 inline Rgb Le(const ShapeLight& light, Vec3f ng, Vec3f wo) {

@@ -40,6 +40,7 @@ struct TexturedSurface {
   std::variant<FlatUv, CurvedUv> uv;
   const TextureSet* textures = nullptr;
   TextureId texture = kNoTexture;
+  Rgb mean;  ///< Of Factor, at the points of a grid.
 
   /// What multiplies the radiance; never negative.
   Rgb Factor(Vec2f at_uv, Vec3f p) const {

@@ -80,14 +80,28 @@ inline float Tan(float x) {
   return sc.sin / sc.cos;
 }
 
+namespace elementary_detail {
+/// (e^r - 1) / r for |r| <= ln(2) / 2.
+inline float ExpSlope(float r) {
+  return Horner(r, {0.9999999999f, 0.4999999702f, 0.166665405f, 4.166750237e-2f, 8.366866969e-3f,
+                    1.38648018e-3f});
+}
+/// log(1 + f) for 1 + f in [sqrt(1/2), sqrt(2)).
+inline float LogOnePlus(float f) {
+  const float s = f / (2 + f);
+  const float s2 = s * s;
+  const float series = s2 * Horner(s2, {0.6666668653f, 0.3998854756f, 0.2958699465f});
+  // log(1 + f) = 2 atanh(s) = f - s (f - series): f itself is exact.
+  return f - s * (f - series);
+}
+}  // namespace elementary_detail
+
 /// e^x within 2 ulp. Results below the smallest normal float become 0, above the largest infinity.
 inline float Exp(float x) {
   const float n = std::floor(x * std::numbers::log2e_v<float> + 0.5f);
   // ln 2 in two parts: the first has few enough bits that its product with n is exact.
   const float r = (x - n * 0.693359375f) + n * 2.12194440e-4f;
-  const float series =
-      elementary_detail::Horner(r, {0.9999999999f, 0.4999999702f, 0.166665405f, 4.166750237e-2f,
-                                    8.366866969e-3f, 1.38648018e-3f});
+  const float series = elementary_detail::ExpSlope(r);
   if (!(x > -87.33654f)) return x <= -87.33654f ? 0 : x;  // The latter is NaN.
   if (x > 88.72283f) return std::numeric_limits<float>::infinity();
   // 2^n in two factors, since n = 128 has no float of its own.
@@ -109,14 +123,18 @@ inline float Log(float x) {
   const int32_t exponent = (bits - 0x3f3504f3) >> 23;
   const float mantissa = std::bit_cast<float>(bits - (exponent << 23));
   const float n = static_cast<float>(exponent - (subnormal ? 23 : 0));
-  const float f = mantissa - 1;
-  const float s = f / (2 + f);
-  const float s2 = s * s;
-  const float series =
-      s2 * elementary_detail::Horner(s2, {0.6666668653f, 0.3998854756f, 0.2958699465f});
-  // log(1 + f) = 2 atanh(s) = f - s (f - series): f itself is exact.
-  const float log_mantissa = f - s * (f - series);
+  const float log_mantissa = elementary_detail::LogOnePlus(mantissa - 1);
   return n * 0.693359375f + (log_mantissa - n * 2.12194440e-4f);
+}
+
+/// e^x - 1 within 3 ulp for |x| < 1/3, within 8 beyond.
+inline float Expm1(float x) {
+  return std::fabs(x) < 1 / 3.0f ? x * elementary_detail::ExpSlope(x) : Exp(x) - 1;
+}
+
+/// log(1 + x) within 4 ulp, also for the smallest x; -infinity at -1, NaN below.
+inline float Log1p(float x) {
+  return x > -0.29f && x < 0.41f ? elementary_detail::LogOnePlus(x) : Log(1 + x);
 }
 
 namespace elementary_detail {

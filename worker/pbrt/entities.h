@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "worker/pbrt/animated_transform.h"
 #include "worker/pbrt/context.h"
 #include "worker/pbrt/parameters.h"
 #include "worker/pbrt/values.h"
@@ -37,6 +38,10 @@ class TextureTable {
                   SpectrumUse use, std::string_view color_space);
   /// An image that no Texture directive names.
   TextureId Image(ImageTexture image) { return Add(std::move(image), 1); }
+  /// The same number everywhere.
+  TextureId Constant(float value) { return Add(ConstantTexture{Rgb::Gray(value)}, 1); }
+  /// The tangent-space normals of the image that the string parameter names; kNoTexture without.
+  TextureId NormalMap(ParameterReader& parameters, std::string_view name);
   /// Where the parameter is a constant, its value.
   std::optional<Rgb> ConstantValue(TextureId id) const;
 
@@ -90,6 +95,14 @@ class MaterialTable {
                                           std::string_view color_space);
   CoatedConductorMaterial ReadCoatedConductor(ParameterReader& parameters,
                                               std::string_view color_space);
+  /// The "normalmap" or the "displacement" of a material of any type.
+  SurfaceDetail ReadDetail(ParameterReader& parameters);
+  /// Of a power of a cosine; kNoTexture where it is not given and has no default.
+  TextureId ReadExponent(ParameterReader& parameters, std::string_view name,
+                         std::optional<float> fallback);
+  BlinnMaterial ReadBlinn(ParameterReader& parameters, std::string_view color_space);
+  AshikhminShirleyMaterial ReadAshikhminShirley(ParameterReader& parameters,
+                                                std::string_view color_space);
   MixMaterial ReadMix(ParameterReader& parameters);
   void WarnOfLayers(ParameterReader& parameters);
 
@@ -120,22 +133,33 @@ absl::StatusOr<AreaLight> ReadAreaLight(const std::string& type, std::string_vie
 
 // ---- shapes ----
 
-/// Shape "type": its geometry, where a PLY file is still to be read (mesh_files.h). None when it
-/// has nothing to show: no faces (with a warning), or cut away by an "alpha" of 0 and not
-/// `emissive`.
+/// The "alpha" of a shape; none where it leaves nothing there. That of a shape that is there
+/// everywhere is no mask.
+std::optional<AlphaMask> ReadAlpha(ParameterReader& parameters, bool emissive,
+                                   TextureTable& textures, ReadContext& context);
+/// Shape "type": its geometry, where a PLY file is still to be read (mesh_files.h). None (with a
+/// warning) when it has no faces.
 absl::StatusOr<std::optional<ShapeGeometry>> ReadShape(const std::string& type,
-                                                       ParameterReader& parameters, bool emissive,
-                                                       TextureTable& textures,
+                                                       ParameterReader& parameters,
                                                        ReadContext& context);
 
 /// Whether it is a mesh that has none, nor a file to read them from.
 bool IsWithoutFaces(const ShapeGeometry& geometry);
 void WarnWithoutFaces(const SourceLocation& where, ReadContext& context);
 
+/// Shape "curve", of any basis and degree.
+CurveShape ReadCurve(ParameterReader& parameters);
+/// Adds the curves of `next` to those of `shape` if they differ in nothing else: hair is many small
+/// shapes. False if they do, or are no curves.
+bool JoinCurves(ShapeDescription& shape, const ShapeDescription& next);
+
 /// Errors for a transform that is singular or takes the shape, as far as it is read, beyond what
 /// floats hold.
 absl::Status CheckPlacement(const ShapeGeometry& geometry, const Transform& to_world,
                             const SourceLocation& where);
+
+/// Whether lengths all scale alike.
+bool IsSimilarity(const Transform& transform);
 
 /// The area of a shape in world space. Errors for curved shapes under a transform that is no
 /// similarity.
@@ -144,7 +168,8 @@ absl::StatusOr<double> WorldArea(const ShapeGeometry& geometry, const Transform&
 
 // ---- camera, film and the other directives before WorldBegin ----
 
-absl::Status ReadCamera(const std::string& type, const Transform& camera_from_world,
+/// The shutter is in seconds still.
+absl::Status ReadCamera(const std::string& type, const AnimatedTransform& camera_from_world,
                         ParameterReader& parameters, ReadContext& context);
 absl::Status ReadFilm(const std::string& type, ParameterReader& parameters, ReadContext& context);
 absl::Status ReadPixelFilter(const std::string& type, ParameterReader& parameters,

@@ -1,10 +1,9 @@
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "worker/pbrt/entities.h"
 
-// Camera, film, filter, sampler and integrator.
+// Film, filter, sampler and integrator.
 
 namespace strata {
 namespace {
@@ -65,49 +64,6 @@ void WarnOfSensor(ParameterReader& parameters, ReadContext& context) {
 
 }  // namespace
 
-absl::Status ReadCamera(const std::string& type, const Transform& camera_from_world,
-                        ParameterReader& parameters, ReadContext& context) {
-  const SourceLocation& where = parameters.where();
-  if (type != "perspective") {
-    return ErrorAt(where, StrCat("Camera \"", type, "\" is not supported; use perspective"));
-  }
-  CameraDescription camera;
-  const std::optional<Transform> inverse = camera_from_world.Inverse();
-  if (!inverse) return ErrorAt(where, "the camera's transform cannot be inverted");
-  camera.camera_to_world = *inverse;
-  camera.fov = static_cast<float>(parameters.Float("fov", 90));
-  if (!(camera.fov > 0 && camera.fov < 180)) {
-    parameters.Fail(where, "\"float fov\" must be more than 0 and less than 180 degrees");
-  }
-  camera.lens_radius = static_cast<float>(parameters.Float("lensradius", 0));
-  camera.focal_distance = static_cast<float>(parameters.Float("focaldistance", 1e6));
-  if (camera.lens_radius < 0) parameters.Fail(where, "\"float lensradius\" must not be negative");
-  if (!(camera.focal_distance > 0)) {
-    parameters.Fail(where, "\"float focaldistance\" must be more than 0");
-  }
-  if (parameters.Has("frameaspectratio")) {
-    camera.frame_aspect = static_cast<float>(parameters.Float("frameaspectratio", 1));
-    if (!(*camera.frame_aspect > 0)) {
-      parameters.Fail(where, "\"float frameaspectratio\" must be more than 0");
-    }
-  }
-  if (parameters.Has("screenwindow")) {
-    const std::vector<double> window = parameters.Floats("screenwindow");
-    if (window.size() != 4 || !(window[0] < window[1]) || !(window[2] < window[3])) {
-      parameters.Fail(where, "\"float screenwindow\" wants x0 < x1 and y0 < y1");
-    } else {
-      camera.screen_window = std::array<float, 4>{};
-      std::transform(window.begin(), window.end(), camera.screen_window->begin(),
-                     [](double value) { return static_cast<float>(value); });
-    }
-  }
-  // Nothing moves, so that the shutter changes nothing.
-  parameters.Float("shutteropen", 0);
-  parameters.Float("shutterclose", 1);
-  context.scene.camera = camera;
-  return parameters.Finish(context.warnings);
-}
-
 absl::Status ReadFilm(const std::string& type, ParameterReader& parameters, ReadContext& context) {
   if (!IsOneOf(type, {"rgb", "gbuffer", "spectral"})) {
     return ErrorAt(parameters.where(), StrCat("unknown Film \"", type, "\"; use rgb"));
@@ -165,10 +121,33 @@ absl::Status ReadPixelFilter(const std::string& type, ParameterReader& parameter
   return parameters.Finish(context.warnings);
 }
 
-/// Sobol' points are Owen-scrambled whatever the file says.
+/// pbrt-v4's samplers, and those of this renderer that it has not.
+struct SamplerName {
+  std::string_view name;
+  SamplerKind kind;
+  bool substitute = false;  ///< It is another in the file; only the noise differs.
+};
+constexpr SamplerName kSamplers[] = {
+    {"sobol", SamplerKind::kSobol},
+    {"paddedsobol", SamplerKind::kSobol},
+    {"zsobol", SamplerKind::kSobol},
+    {"pmj02bn", SamplerKind::kSobol, true},
+    {"independent", SamplerKind::kIndependent},
+    {"halton", SamplerKind::kHalton},
+    {"halton_plain", SamplerKind::kHaltonPlain},
+    {"stratified", SamplerKind::kStratified},
+    {"latin_hypercube", SamplerKind::kLatinHypercube},
+    {"poisson_disk", SamplerKind::kPoissonDisk},
+    {"drand48", SamplerKind::kDrand48},
+};
+
+/// Points are Owen-scrambled whatever the file says, but for those of Halton without any scramble.
 void ReadRandomization(ParameterReader& parameters, ReadContext& context) {
+  SamplerKind& sampler = context.scene.defaults.sampler;
   const std::string randomization = parameters.String("randomization", "fastowen");
-  if (randomization == "none") {
+  if (randomization == "none" && sampler == SamplerKind::kHalton) {
+    sampler = SamplerKind::kHaltonPlain;
+  } else if (randomization == "none") {
     context.Warn(parameters.where(),
                  "the sampler is always randomized; an error cannot be "
                  "estimated otherwise");
@@ -189,7 +168,10 @@ absl::Status ReadSampler(const std::string& type, ParameterReader& parameters,
     const double grid =
         static_cast<double>(parameters.Integer("xsamples", 4)) * parameters.Integer("ysamples", 4);
     samples = grid >= 1 && grid <= 1e9 ? static_cast<int>(grid) : 0;
-    parameters.Bool("jitter", true);
+    if (!parameters.Bool("jitter", true)) {
+      context.Warn(parameters.where(),
+                   "\"jitter\" false is ignored: samples are jittered in grids of 4x4");
+    }
   } else {
     samples = parameters.Integer("pixelsamples", 16);
   }
@@ -197,11 +179,13 @@ absl::Status ReadSampler(const std::string& type, ParameterReader& parameters,
     parameters.Fail(parameters.where(), "the number of samples per pixel must be 1 to 1e9");
   }
   frame.spp = static_cast<uint32_t>(std::max(samples, 1));
-  frame.sampler = type == "independent" ? SamplerKind::kIndependent : SamplerKind::kSobol;
-  if (!IsOneOf(type, {"independent", "sobol", "paddedsobol", "zsobol"})) {
-    if (!IsOneOf(type, {"halton", "pmj02bn", "stratified"})) {
-      return ErrorAt(parameters.where(), StrCat("unknown Sampler \"", type, "\"; use sobol"));
-    }
+  const auto* known = std::find_if(std::begin(kSamplers), std::end(kSamplers),
+                                   [&](const SamplerName& s) { return s.name == type; });
+  if (known == std::end(kSamplers)) {
+    return ErrorAt(parameters.where(), StrCat("unknown Sampler \"", type, "\"; use sobol"));
+  }
+  frame.sampler = known->kind;
+  if (known->substitute) {
     context.Warn(parameters.where(),
                  StrCat("Sampler \"", type, "\" is not supported; sobol is used"));
   }

@@ -4,6 +4,7 @@
 
 #include "common/image_file.h"
 #include "worker/geometry/image_texels.h"
+#include "worker/light/spot_light.h"
 #include "worker/math/vec3d.h"
 #include "worker/pbrt/entities.h"
 
@@ -54,6 +55,92 @@ absl::StatusOr<LightDescription> ReadPoint(const Transform& world_from_light,
                           PointLightDescription{from, Scaled(parameters, intensity, scale)}};
 }
 
+absl::StatusOr<LightDescription> ReadSpot(const Transform& world_from_light,
+                                          std::string_view color_space, ParameterReader& parameters,
+                                          ReadContext& context) {
+  const SourceLocation& where = parameters.where();
+  const Rgb intensity =
+      ColorParameter(parameters, "I", Rgb::Gray(1), SpectrumUse::kIlluminant, color_space, context);
+  double scale = Scale(parameters);
+  SpotLightDescription spot;
+  spot.cone_angle = static_cast<float>(parameters.Float("coneangle", 30));
+  const float delta = static_cast<float>(parameters.Float("conedeltaangle", 5));
+  if (!(spot.cone_angle > 0 && spot.cone_angle <= 180)) {
+    parameters.Fail(where, StrCat("\"float coneangle\" is ", spot.cone_angle,
+                                  "; it must be more than 0 and at most 180 degrees"));
+  }
+  if (!(delta >= 0)) {
+    parameters.Fail(where, "\"float conedeltaangle\" must not be negative");
+  }
+  spot.falloff_start = std::max(spot.cone_angle - delta, 0.0f);
+  if (const std::optional<double> power = Level(parameters, "power")) {
+    scale *= *power / FalloffIntegral(VersineOfDegrees(spot.falloff_start),
+                                      VersineOfDegrees(spot.cone_angle));
+  }
+  const Vec3f from = parameters.Point3("from").value_or(Vec3f{});
+  const Vec3f to = parameters.Point3("to").value_or(Vec3f{0, 0, 1});
+  spot.position = world_from_light.Point(ToDouble(from));
+  if (!IsFinite(spot.position)) return ErrorAt(where, "the light is infinitely far away");
+  const Vec3d direction = world_from_light.Vector(ToDouble(to) - ToDouble(from));
+  const double length = Length(direction);
+  if (!(length > 0) || !std::isfinite(length)) {
+    return ErrorAt(where, "\"from\" and \"to\" of the light give no direction");
+  }
+  spot.direction = ToFloat(direction * (1 / length));
+  spot.intensity = Scaled(parameters, intensity, scale);
+  return LightDescription{where, spot};
+}
+
+/// The bundle path of "filename", which the light must have.
+absl::StatusOr<std::string> ReadLightFile(ParameterReader& parameters, ReadContext& context) {
+  const std::string name = parameters.String("filename", "");
+  if (!parameters.Has("filename")) {
+    parameters.Fail(parameters.where(),
+                    StrCat(parameters.directive(), " wants a \"string filename\""));
+  }
+  STRATA_RETURN_IF_ERROR(parameters.Finish(context.warnings));
+  return context.AddFile(name, parameters.where());
+}
+
+absl::Status CheckLightPlacement(const Transform& world_from_light, const SourceLocation& where) {
+  if (world_from_light.Inverse() && IsFinite(world_from_light.Point({}))) return absl::OkStatus();
+  return ErrorAt(where, "the light's transform cannot be inverted, or leads to no finite place");
+}
+
+absl::StatusOr<LightDescription> ReadProjection(const Transform& world_from_light,
+                                                std::string_view /*color_space*/,
+                                                ParameterReader& parameters, ReadContext& context) {
+  const SourceLocation& where = parameters.where();
+  STRATA_RETURN_IF_ERROR(CheckLightPlacement(world_from_light, where));
+  ProjectionLightDescription projection;
+  projection.to_world = world_from_light;
+  projection.scale = static_cast<float>(Scale(parameters));
+  projection.power = Level(parameters, "power");
+  projection.fov = static_cast<float>(parameters.Float("fov", 90));
+  if (!(projection.fov > 0 && projection.fov < 179.9f)) {
+    parameters.Fail(where, StrCat("\"float fov\" is ", projection.fov,
+                                  "; it must be more than 0 and less than 180 degrees"));
+  }
+  STRATA_ASSIGN_OR_RETURN(projection.path, ReadLightFile(parameters, context));
+  return LightDescription{where, std::move(projection)};
+}
+
+absl::StatusOr<LightDescription> ReadGoniometric(const Transform& world_from_light,
+                                                 std::string_view color_space,
+                                                 ParameterReader& parameters,
+                                                 ReadContext& context) {
+  const SourceLocation& where = parameters.where();
+  STRATA_RETURN_IF_ERROR(CheckLightPlacement(world_from_light, where));
+  GoniometricLightDescription lamp;
+  lamp.to_world = world_from_light;
+  const Rgb intensity =
+      ColorParameter(parameters, "I", Rgb::Gray(1), SpectrumUse::kIlluminant, color_space, context);
+  lamp.intensity = Scaled(parameters, intensity, Scale(parameters));
+  lamp.power = Level(parameters, "power");
+  STRATA_ASSIGN_OR_RETURN(lamp.path, ReadLightFile(parameters, context));
+  return LightDescription{where, std::move(lamp)};
+}
+
 absl::StatusOr<LightDescription> ReadDistant(const Transform& world_from_light,
                                              std::string_view color_space,
                                              ParameterReader& parameters, ReadContext& context) {
@@ -80,10 +167,11 @@ absl::StatusOr<LightDescription> ReadInfinite(const Transform& world_from_light,
   const SourceLocation& where = parameters.where();
   const double scale = Scale(parameters);
   const std::optional<double> illuminance = Level(parameters, "illuminance");
-  if (const Parameter* portal = parameters.Take("portal")) {
-    context.Warn(portal->where, "the \"portal\" of the light is ignored; it shines from all sides");
-  }
+  const std::vector<Vec3f> portal = parameters.Point3s("portal");
   if (!parameters.Has("filename")) {
+    if (!portal.empty()) {
+      context.Warn(where, "the \"portal\" of a light without an image is ignored");
+    }
     Rgb radiance = ColorParameter(parameters, "L", Rgb::Gray(1), SpectrumUse::kIlluminant,
                                   color_space, context);
     // The irradiance of a hemisphere of radiance L is pi L.
@@ -100,11 +188,21 @@ absl::StatusOr<LightDescription> ReadInfinite(const Transform& world_from_light,
   if (!world_from_light.Inverse()) {
     return ErrorAt(where, "the light's transform cannot be inverted");
   }
+  if (!portal.empty() && portal.size() != 4) {
+    parameters.Fail(where,
+                    StrCat("the \"portal\" has ", portal.size(), " corners; a rectangle has 4"));
+  }
   const std::string name = parameters.String("filename", "");
   STRATA_RETURN_IF_ERROR(parameters.Finish(context.warnings));
   STRATA_ASSIGN_OR_RETURN(std::string path, context.AddFile(name, where));
-  return LightDescription{where, ImageInfiniteLightDescription{std::move(path), world_from_light,
-                                                               static_cast<float>(scale)}};
+  ImageInfiniteLightDescription sky = {std::move(path), world_from_light,
+                                       static_cast<float>(scale)};
+  // As in pbrt-v4, whatever the light's own space is.
+  if (!portal.empty()) {
+    sky.portal = {ToDouble(portal[0]), ToDouble(portal[1]), ToDouble(portal[2]),
+                  ToDouble(portal[3])};
+  }
+  return LightDescription{where, std::move(sky)};
 }
 
 /// Of the image's pixels, as emission counts them: pbrt-v4 divides an area light's power by it.
@@ -112,7 +210,7 @@ absl::StatusOr<double> MeanLuminance(const ImageTexture& image, const ReadContex
   STRATA_ASSIGN_OR_RETURN(const std::filesystem::path path,
                           context.Locate(image.path, image.where));
   const absl::StatusOr<ImageFile> file = ReadImageFile(path);
-  const absl::Status usable = file.ok() ? CheckTexels(*file) : file.status();
+  const absl::Status usable = file.ok() ? CheckTexels(*file, false) : file.status();
   if (!usable.ok()) return Annotate(usable, StrCat(image.where.ToString(), ": ", image.path));
   const DecodeTable table = MakeDecodeTable(image.encoding, image.gamma);
   const ImageTexels texels = ImageTexels::From(*file, image.encoding, image.gamma);
@@ -137,14 +235,18 @@ absl::StatusOr<double> MeanLuminance(const ImageTexture& image, const ReadContex
 absl::Status ReadLight(const std::string& type, const Transform& world_from_light,
                        std::string_view color_space, ParameterReader& parameters,
                        ReadContext& context) {
-  const auto read = type == "point"      ? ReadPoint
-                    : type == "distant"  ? ReadDistant
-                    : type == "infinite" ? ReadInfinite
-                                         : nullptr;
+  const auto read = type == "point"         ? ReadPoint
+                    : type == "spot"        ? ReadSpot
+                    : type == "projection"  ? ReadProjection
+                    : type == "goniometric" ? ReadGoniometric
+                    : type == "distant"     ? ReadDistant
+                    : type == "infinite"    ? ReadInfinite
+                                            : nullptr;
   if (!read) {
     return ErrorAt(parameters.where(), StrCat("LightSource \"", type,
-                                              "\" is not supported; use point, distant or "
-                                              "infinite, or an area light"));
+                                              "\" is not supported; use point, spot, "
+                                              "projection, goniometric, distant or infinite, or an "
+                                              "area light"));
   }
   STRATA_ASSIGN_OR_RETURN(LightDescription light,
                           read(world_from_light, color_space, parameters, context));

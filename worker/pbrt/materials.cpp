@@ -128,11 +128,69 @@ CoatedConductorMaterial MaterialTable::ReadCoatedConductor(ParameterReader& para
   return m;
 }
 
+BlinnMaterial MaterialTable::ReadBlinn(ParameterReader& parameters, std::string_view color_space) {
+  BlinnMaterial m;
+  const Parameter* eta = parameters.Take("eta");
+  if (eta && eta->type == "float") {
+    // A dielectric; metals have spectra.
+    const float index = ReadEta(parameters, "eta");
+    if (parameters.Has("k") || parameters.Has("reflectance"))
+      parameters.Fail(eta->where, "a \"float eta\" excludes \"k\" and \"reflectance\"");
+    m.eta = textures_.Constant(index);
+    m.k = textures_.Constant(0);
+  } else {
+    ReadConductor(parameters, "", color_space, m.eta, m.k, m.reflectance);
+  }
+  m.exponent = ReadExponent(parameters, "exponent", 100);
+  return m;
+}
+
+AshikhminShirleyMaterial MaterialTable::ReadAshikhminShirley(ParameterReader& parameters,
+                                                             std::string_view color_space) {
+  AshikhminShirleyMaterial m;
+  m.reflectance = textures_.Color(parameters, "reflectance", Rgb::Gray(0.5f),
+                                  SpectrumUse::kReflectance, color_space);
+  m.specular = textures_.Color(parameters, "specular", Rgb::Gray(0.05f), SpectrumUse::kReflectance,
+                               color_space);
+  const TextureId both = ReadExponent(parameters, "exponent", 100);
+  m.u_exponent = ReadExponent(parameters, "uexponent", std::nullopt);
+  m.v_exponent = ReadExponent(parameters, "vexponent", std::nullopt);
+  if (m.u_exponent == kNoTexture) m.u_exponent = both;
+  if (m.v_exponent == kNoTexture) m.v_exponent = both;
+  return m;
+}
+
+TextureId MaterialTable::ReadExponent(ParameterReader& parameters, std::string_view name,
+                                      std::optional<float> fallback) {
+  const TextureId id = textures_.Float(parameters, name, fallback);
+  const std::optional<Rgb> value = textures_.ConstantValue(id);
+  if (value && !(value->r >= 0))
+    parameters.Fail(parameters.where(), StrCat("\"", name, "\" must be 0 or more"));
+  return id;
+}
+
+SurfaceDetail MaterialTable::ReadDetail(ParameterReader& parameters) {
+  SurfaceDetail detail;
+  detail.normal_map = textures_.NormalMap(parameters, "normalmap");
+  const TextureId displacement = textures_.Float(parameters, "displacement", std::nullopt);
+  // A height that is the same everywhere turns no normal.
+  if (textures_.ConstantValue(displacement)) return detail;
+  if (detail.Any() && displacement != kNoTexture) {
+    context_.Warn(parameters.where(),
+                  "a material has either a \"normalmap\" or a \"displacement\"; the latter is "
+                  "ignored");
+    return detail;
+  }
+  detail.displacement = displacement;
+  return detail;
+}
+
 MixMaterial MaterialTable::ReadMix(ParameterReader& parameters) {
   MixMaterial mix;
   const std::vector<std::string> names = parameters.Strings("materials");
   if (names.size() != 2) {
-    parameters.Fail(parameters.where(), "Material \"mix\" wants \"string materials\" of two names");
+    parameters.Fail(parameters.where(),
+                    StrCat(parameters.directive(), " wants \"string materials\" of two names"));
     return mix;
   }
   mix.a = Use(names[0], parameters.where());
@@ -167,28 +225,39 @@ absl::StatusOr<MaterialDescription> MaterialTable::Read(const std::string& type,
     return DiffuseTransmissionMaterial{color("reflectance", 0.25f), color("transmittance", 0.25f),
                                        static_cast<float>(parameters.Float("scale", 1))};
   }
+  if (type == "blinn") return ReadBlinn(parameters, color_space);
+  if (type == "ashikhminshirley") return ReadAshikhminShirley(parameters, color_space);
   if (type == "mix") return ReadMix(parameters);
+  if (type == "mixture") {
+    MixMaterial sum = ReadMix(parameters);
+    sum.sum = true;
+    return sum;
+  }
   if (type == "interface" || type.empty()) return InterfaceMaterial{};
   return ErrorAt(parameters.where(),
                  StrCat("material \"", type,
                         "\" is not supported; use diffuse, conductor, "
                         "dielectric, thindielectric, coateddiffuse, coatedconductor, "
-                        "diffusetransmission, mix or interface"));
+                        "diffusetransmission, mix, interface, blinn, ashikhminshirley or "
+                        "mixture"));
 }
 
 absl::StatusOr<MaterialId> MaterialTable::Add(const std::string& type, std::string_view color_space,
                                               ParameterReader& parameters) {
-  for (const std::string_view name : {"displacement", "normalmap"}) {
-    if (const Parameter* parameter = parameters.Take(name)) {
-      context_.Warn(parameter->where,
-                    StrCat("\"", name, "\" is not supported; surfaces stay smooth"));
-    }
+  SurfaceDetail detail = ReadDetail(parameters);
+  if (detail.Any() && (type == "mix" || type == "interface")) {
+    context_.Warn(
+        parameters.where(),
+        StrCat("the \"normalmap\" or \"displacement\" of a material \"", type, "\" is ignored"));
+    detail = {};
   }
   STRATA_ASSIGN_OR_RETURN(MaterialDescription material, Read(type, color_space, parameters));
   STRATA_RETURN_IF_ERROR(parameters.Finish(context_.warnings));
   context_.scene.materials.push_back(std::move(material));
   where_.push_back(parameters.where());
-  return static_cast<MaterialId>(where_.size() - 1);
+  const auto id = static_cast<MaterialId>(where_.size() - 1);
+  if (detail.Any()) context_.scene.surface_details[id] = detail;
+  return id;
 }
 
 absl::Status MaterialTable::Define(const std::string& name, std::string_view color_space,
@@ -212,6 +281,10 @@ absl::Status MaterialTable::Define(const std::string& name, std::string_view col
     context_.scene.materials.pop_back();
     where_[named.id] = where_[id];
     where_.pop_back();
+    if (auto detail = context_.scene.surface_details.extract(id)) {
+      detail.key() = named.id;
+      context_.scene.surface_details.insert(std::move(detail));
+    }
   }
   named.defined = true;
   return absl::OkStatus();

@@ -23,14 +23,23 @@ struct ParameterType {
 };
 
 constexpr ParameterType kTypes[] = {
-    {"integer", ValueKind::kNumbers, 1}, {"float", ValueKind::kNumbers, 1},
-    {"point2", ValueKind::kNumbers, 2},  {"vector2", ValueKind::kNumbers, 2},
-    {"point3", ValueKind::kNumbers, 3},  {"point", ValueKind::kNumbers, 3},
-    {"vector3", ValueKind::kNumbers, 3}, {"vector", ValueKind::kNumbers, 3},
-    {"normal3", ValueKind::kNumbers, 3}, {"normal", ValueKind::kNumbers, 3},
-    {"rgb", ValueKind::kNumbers, 3},     {"blackbody", ValueKind::kNumbers, 1},
-    {"bool", ValueKind::kBools, 1},      {"string", ValueKind::kStrings, 1},
-    {"texture", ValueKind::kStrings, 1}, {"spectrum", ValueKind::kNumbersOrStrings, 1},
+    {"integer", ValueKind::kNumbers, 1},
+    {"float", ValueKind::kNumbers, 1},
+    {"point2", ValueKind::kNumbers, 2},
+    {"vector2", ValueKind::kNumbers, 2},
+    {"point3", ValueKind::kNumbers, 3},
+    {"point", ValueKind::kNumbers, 3},
+    {"vector3", ValueKind::kNumbers, 3},
+    {"vector", ValueKind::kNumbers, 3},
+    {"normal3", ValueKind::kNumbers, 3},
+    {"normal", ValueKind::kNumbers, 3},
+    {"rgb", ValueKind::kNumbers, 3},
+    {"color", ValueKind::kNumbers, 3},
+    {"blackbody", ValueKind::kNumbers, 1},
+    {"bool", ValueKind::kBools, 1},
+    {"string", ValueKind::kStrings, 1},
+    {"texture", ValueKind::kStrings, 1},
+    {"spectrum", ValueKind::kNumbersOrStrings, 1},
 };
 
 const ParameterType* FindType(std::string_view name) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "worker/pbrt/version3.h"
+
 // Files, scopes and the directives that change the graphics state alone. What describes things is
 // in entity_directives.cpp.
 
@@ -29,6 +31,7 @@ const absl::flat_hash_map<std::string_view, SceneParser::Directive>& SceneParser
       {"Include", {Block::kEither, &P::Include}},
       {"Import", {Block::kWorld, &P::Import}},
       {"WorldBegin", {Block::kOptions, &P::WorldBegin}},
+      {"WorldEnd", {Block::kWorld, &P::WorldEnd}},
       {"AttributeBegin", {Block::kWorld, &P::AttributeBegin}},
       {"AttributeEnd", {Block::kWorld, &P::AttributeEnd}},
       {"TransformBegin", {Block::kEither, &P::TransformBegin}},
@@ -126,14 +129,16 @@ absl::Status SceneParser::CloseFile() {
 absl::Status SceneParser::RunDirective(const Token& token) {
   directive_at_ = tokens().At(token.line);
   const auto it =
-      token.kind == Token::Kind::kWord ? Directives().find(token.text) : Directives().end();
+      token.kind == Token::Kind::kWord
+          ? Directives().find(DirectiveOfVersion3(token.text, Here(), &context_.warnings))
+          : Directives().end();
   if (it == Directives().end()) {
     std::string shown(token.text.substr(0, 40));
     std::replace_if(
         shown.begin(), shown.end(), [](unsigned char c) { return c < 0x20 || c >= 0x7f; }, '?');
     return ErrorAt(Here(), StrCat("\"", shown, "\" is no directive of pbrt-v4"));
   }
-  directive_ = token.text;
+  directive_ = it->first;
   if (it->second.block == Block::kWorld && !in_world_) {
     return ErrorAt(Here(), StrCat(directive_, " must come after WorldBegin"));
   }
@@ -158,7 +163,7 @@ absl::Status SceneParser::Finish() {
   }
   STRATA_RETURN_IF_ERROR(materials_.CheckAllDefined());
   DarkenInterfaces();
-  return absl::OkStatus();
+  return PlaceShutter();
 }
 
 void SceneParser::DarkenInterfaces() {
@@ -214,12 +219,23 @@ absl::Status SceneParser::ReadNumbers(double* values, int count) {
 absl::StatusOr<ParameterReader> SceneParser::ReadParameters(std::string_view name,
                                                             std::string_view target) {
   STRATA_ASSIGN_OR_RETURN(std::vector<Parameter> own, ParseParameters(tokens()));
+  return WithInherited(name, std::move(own), target);
+}
+
+absl::StatusOr<ParameterReader> SceneParser::ReadTyped(std::string* type, std::string_view target) {
+  STRATA_ASSIGN_OR_RETURN(std::vector<Parameter> own, ParseParameters(tokens()));
+  STRATA_RETURN_IF_ERROR(TranslateVersion3(directive_, Here(), type, &own, &context_.warnings));
+  return WithInherited(*type, std::move(own), target);
+}
+
+ParameterReader SceneParser::WithInherited(std::string_view name, std::vector<Parameter> own,
+                                           std::string_view target) const {
   std::vector<Parameter> inherited;
   if (state_.attributes && !target.empty()) {
     const auto it = state_.attributes->find(ToAbsl(target));
     if (it != state_.attributes->end()) inherited = it->second;
   }
-  return ParameterReader(StrCat(directive_, " \"", name.substr(0, 40), "\""), Here(),
+  return ParameterReader(StrCat(directive_, " \"", name.substr(0, 40), "\""), directive_at_,
                          std::move(own), inherited);
 }
 
@@ -231,8 +247,16 @@ absl::Status SceneParser::WorldBegin() {
   }
   in_world_ = true;
   state_.ctm = {};
+  state_.at_start = state_.at_end = true;
   coordinate_systems_["world"] = {};
   return absl::OkStatus();
+}
+
+absl::Status SceneParser::WorldEnd() {
+  context_.Warn(Here(), "pbrt-v3's WorldEnd is read as the end of the file");
+  STRATA_ASSIGN_OR_RETURN(const Token token, tokens().Peek());
+  if (token.kind == Token::Kind::kEnd) return absl::OkStatus();
+  return ErrorAt(Here(), "WorldEnd must be the last of the file; what follows is another frame");
 }
 
 absl::Status SceneParser::OpenScope(ScopeKind kind) {
@@ -259,7 +283,10 @@ absl::Status SceneParser::CloseScope(ScopeKind kind, std::string_view begin) {
                                   scopes_.back().where.ToString()));
   }
   if (kind == ScopeKind::kTransform) {
-    state_.ctm = scopes_.back().state.ctm;
+    const GraphicsState& before = scopes_.back().state;
+    state_.ctm = before.ctm;
+    state_.at_start = before.at_start;
+    state_.at_end = before.at_end;
   } else {
     state_ = std::move(scopes_.back().state);
   }

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "worker/pbrt/animated_transform.h"
 #include "worker/pbrt/context.h"
 #include "worker/pbrt/entities.h"
 #include "worker/pbrt/parameters.h"
@@ -27,7 +28,8 @@ class SceneParser {
  private:
   /// What AttributeBegin keeps and AttributeEnd brings back.
   struct GraphicsState {
-    Transform ctm;  ///< World from the current space; camera space before WorldBegin.
+    AnimatedTransform ctm;  ///< World from the current space; camera space before WorldBegin.
+    bool at_start = true, at_end = true;  ///< Which of both directives change (ActiveTransform).
     bool reverse_orientation = false;
     MaterialId material = 0;
     std::optional<AreaLight> area_light;
@@ -73,11 +75,16 @@ class SceneParser {
   /// The parameters that follow, with those of Attribute directives for `target`.
   absl::StatusOr<ParameterReader> ReadParameters(std::string_view name,
                                                  std::string_view target = "");
+  /// The same for a directive of a type, both put into pbrt-v4's words if they are in pbrt-v3's.
+  absl::StatusOr<ParameterReader> ReadTyped(std::string* type, std::string_view target = "");
+  ParameterReader WithInherited(std::string_view name, std::vector<Parameter> own,
+                                std::string_view target) const;
 
   // ---- directives, by their names in the file ----
   absl::Status Include();
   absl::Status Import();
   absl::Status WorldBegin();
+  absl::Status WorldEnd();
   absl::Status AttributeBegin();
   absl::Status AttributeEnd();
   absl::Status TransformBegin();
@@ -127,6 +134,13 @@ class SceneParser {
   absl::Status PlaceEmission(ShapeDescription& shape);
   int32_t ObjectNamed(const std::string& name);
   absl::Status Concatenate(const Transform& transform);
+  /// Replaces the current transform where it is active.
+  void Replace(const AnimatedTransform& transform);
+  /// Warns if the current transform moves, where `what` keeps that of the start.
+  void WarnOfMotion(std::string_view what);
+  /// The shapes of an object that is placed once, by the current transform, which moves.
+  std::vector<ShapeDescription>& MovingShapes();
+  absl::Status PlaceShutter();
 
   ReadContext& context_;
   TextureTable textures_;
@@ -140,7 +154,9 @@ class SceneParser {
   bool in_world_ = false;
   GraphicsState state_;
   std::vector<Scope> scopes_;
-  absl::flat_hash_map<std::string, Transform> coordinate_systems_;
+  absl::flat_hash_map<std::string, AnimatedTransform> coordinate_systems_;
+  double motion_start_ = 0, motion_end_ = 1;  ///< TransformTimes.
+  std::optional<size_t> moving_instance_;     ///< The last one that MovingShapes has made.
 
   struct ObjectState {
     bool defined = false;

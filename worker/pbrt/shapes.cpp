@@ -3,6 +3,7 @@
 #include <limits>
 #include <numbers>
 
+#include "worker/geometry/loop_subdivision.h"
 #include "worker/pbrt/entities.h"
 #include "worker/scene/recentre.h"
 
@@ -90,6 +91,24 @@ absl::StatusOr<TriangleMeshShape> ReadPlyMesh(ParameterReader& parameters,
   return mesh;
 }
 
+/// The limit surface of a control mesh, as a mesh of its own.
+absl::StatusOr<ShapeGeometry> ReadLoopSubdivision(ParameterReader& parameters) {
+  TriangleMeshShape control;
+  control.positions = parameters.Point3s("P");
+  const int levels = parameters.Integer("levels", 3);
+  for (const char* name : {"scheme", "N", "uv"}) parameters.Ignore(name);  // as pbrt does
+  const std::vector<int> indices = ReadIndices(parameters, control.positions.size(), 3);
+  for (size_t i = 0; i + 2 < indices.size(); i += 3) {
+    control.triangles.push_back({static_cast<uint32_t>(indices[i]),
+                                 static_cast<uint32_t>(indices[i + 1]),
+                                 static_cast<uint32_t>(indices[i + 2])});
+  }
+  if (!parameters.ok()) return control;
+  absl::StatusOr<TriangleMeshShape> mesh = LoopSubdivide(control, levels);
+  if (!mesh.ok()) return Annotate(mesh.status(), parameters.where().ToString());
+  return *std::move(mesh);
+}
+
 float Positive(ParameterReader& parameters, std::string_view name, double fallback) {
   const double value = parameters.Float(name, fallback);
   if (!(static_cast<float>(value) > 0)) {
@@ -149,20 +168,6 @@ CylinderShape ReadCylinder(ParameterReader& parameters) {
   return cylinder;
 }
 
-/// True when the shape is cut away everywhere and no light of it is missed.
-bool ReadAlpha(ParameterReader& parameters, bool emissive, TextureTable& textures,
-               ReadContext& context) {
-  const Parameter* alpha = parameters.Take("alpha");
-  if (!alpha) return false;
-  const std::optional<Rgb> constant =
-      textures.ConstantValue(textures.Float(parameters, "alpha", std::nullopt));
-  if (constant && constant->r <= 0 && !emissive) return true;
-  if (!constant || constant->r < 1) {
-    context.Warn(alpha->where, "\"alpha\" is not supported; the shape is opaque");
-  }
-  return false;
-}
-
 absl::StatusOr<ShapeGeometry> ReadGeometry(const std::string& type, ParameterReader& parameters,
                                            ReadContext& context) {
   if (type == "trianglemesh") return ReadTriangleMesh(parameters);
@@ -171,11 +176,8 @@ absl::StatusOr<ShapeGeometry> ReadGeometry(const std::string& type, ParameterRea
   if (type == "sphere") return ReadSphere(parameters);
   if (type == "disk") return ReadDisk(parameters);
   if (type == "cylinder") return ReadCylinder(parameters);
-  if (type == "loopsubdiv" || type == "curve") {
-    return ErrorAt(parameters.where(), StrCat("Shape \"", type,
-                                              "\" is not supported yet; convert it to a "
-                                              "trianglemesh"));
-  }
+  if (type == "curve") return ReadCurve(parameters);
+  if (type == "loopsubdiv") return ReadLoopSubdivision(parameters);
   return ErrorAt(parameters.where(), StrCat("unknown Shape \"", type, "\""));
 }
 
@@ -186,18 +188,27 @@ bool FitsFloat(Vec3d p) {
 
 }  // namespace
 
+std::optional<AlphaMask> ReadAlpha(ParameterReader& parameters, bool emissive,
+                                   TextureTable& textures, ReadContext& context) {
+  const TextureId alpha = textures.Float(parameters, "alpha", std::nullopt);
+  const std::optional<Rgb> constant = textures.ConstantValue(alpha);
+  if (!constant) return AlphaMask{alpha};
+  if (constant->r > 0) return constant->r < 1 ? AlphaMask{alpha} : AlphaMask{};
+  if (!emissive) return std::nullopt;
+  context.Warn(parameters.where(),
+               "lights that are not seen are not supported; the shape of alpha 0 is opaque");
+  return AlphaMask{};
+}
+
 absl::StatusOr<std::optional<ShapeGeometry>> ReadShape(const std::string& type,
-                                                       ParameterReader& parameters, bool emissive,
-                                                       TextureTable& textures,
+                                                       ParameterReader& parameters,
                                                        ReadContext& context) {
   STRATA_ASSIGN_OR_RETURN(ShapeGeometry geometry, ReadGeometry(type, parameters, context));
-  const bool is_cut_away = ReadAlpha(parameters, emissive, textures, context);
   if (const Parameter* displacement = parameters.Take("displacement")) {
     context.Warn(displacement->where,
                  "\"displacement\" is not supported; the shape stays as it is");
   }
   STRATA_RETURN_IF_ERROR(parameters.Finish(context.warnings));
-  if (is_cut_away) return std::nullopt;
   if (IsWithoutFaces(geometry)) {
     WarnWithoutFaces(parameters.where(), context);
     return std::nullopt;
@@ -280,6 +291,8 @@ std::optional<double> OwnArea(const ShapeGeometry& geometry) {
 }
 
 }  // namespace
+
+bool IsSimilarity(const Transform& transform) { return SimilarityScale(transform).has_value(); }
 
 absl::StatusOr<double> WorldArea(const ShapeGeometry& geometry, const Transform& to_world,
                                  const SourceLocation& where) {

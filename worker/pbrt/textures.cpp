@@ -116,6 +116,20 @@ TextureId TextureTable::Color(ParameterReader& parameters, std::string_view name
   return Add(ConstantTexture{color}, 1);
 }
 
+TextureId TextureTable::NormalMap(ParameterReader& parameters, std::string_view name) {
+  if (!parameters.Has(name)) return kNoTexture;
+  ImageTexture image;
+  image.encoding = ImageEncoding::kLinear;
+  image.where = parameters.where();
+  absl::StatusOr<std::string> path = context_.NameFile(parameters.String(name, ""), image.where);
+  if (!path.ok()) {
+    parameters.Fail(path.status());
+    return kNoTexture;
+  }
+  image.path = *std::move(path);
+  return Add(std::move(image), 1);
+}
+
 std::optional<Rgb> TextureTable::ConstantValue(TextureId id) const {
   if (id == kNoTexture) return std::nullopt;
   const auto* constant = std::get_if<ConstantTexture>(&context_.scene.textures[id]);

@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include "worker/pbrt/scene_parser.h"
 
 // The directives that change the current transform.
@@ -5,13 +7,23 @@
 namespace strata {
 
 absl::Status SceneParser::Concatenate(const Transform& transform) {
-  state_.ctm = state_.ctm * transform;
-  if (state_.ctm.IsFinite()) return absl::OkStatus();
+  Replace({state_.ctm.start * transform, state_.ctm.end * transform});
+  if (state_.ctm.start.IsFinite() && state_.ctm.end.IsFinite()) return absl::OkStatus();
   return ErrorAt(Here(), "the transform grows beyond all bounds");
 }
 
+void SceneParser::Replace(const AnimatedTransform& transform) {
+  if (state_.at_start) state_.ctm.start = transform.start;
+  if (state_.at_end) state_.ctm.end = transform.end;
+}
+
+void SceneParser::WarnOfMotion(std::string_view what) {
+  if (!state_.ctm.Moves()) return;
+  context_.Warn(Here(), StrCat(what, " cannot move; it stays where it is at the start"));
+}
+
 absl::Status SceneParser::Identity() {
-  state_.ctm = {};
+  Replace({});
   return absl::OkStatus();
 }
 
@@ -55,7 +67,8 @@ absl::Status SceneParser::LookAt() {
 absl::Status SceneParser::SetTransform() {
   std::array<double, 16> columns;
   STRATA_RETURN_IF_ERROR(ReadNumbers(columns.data(), 16));
-  state_.ctm = Transform::FromColumns(columns);
+  const Transform transform = Transform::FromColumns(columns);
+  Replace({transform, transform});
   return absl::OkStatus();
 }
 
@@ -78,14 +91,18 @@ absl::Status SceneParser::CoordSysTransform() {
     return ErrorAt(Here(), StrCat("there is no coordinate system \"", name,
                                   "\"; define it with CoordinateSystem"));
   }
-  state_.ctm = it->second;
+  Replace(it->second);
   return absl::OkStatus();
 }
 
 absl::Status SceneParser::TransformTimes() {
   double times[2];
   STRATA_RETURN_IF_ERROR(ReadNumbers(times, 2));
-  context_.Warn(Here(), "TransformTimes is ignored; nothing moves");
+  if (!(times[0] < times[1])) {
+    return ErrorAt(Here(), "TransformTimes wants a start before the end");
+  }
+  motion_start_ = times[0];
+  motion_end_ = times[1];
   return absl::OkStatus();
 }
 
@@ -95,12 +112,22 @@ absl::Status SceneParser::ActiveTransform() {
       (token.text != "All" && token.text != "StartTime" && token.text != "EndTime")) {
     return ErrorAt(Here(), "ActiveTransform wants All, StartTime or EndTime");
   }
-  if (token.text != "All") {
-    context_.Warn(Here(),
-                  "ActiveTransform is ignored; nothing moves, and the transforms of both "
-                  "times are applied");
-  }
+  state_.at_start = token.text != "EndTime";
+  state_.at_end = token.text != "StartTime";
   return absl::OkStatus();
+}
+
+/// From seconds to the times of motion.
+absl::Status SceneParser::PlaceShutter() {
+  CameraDescription& camera = context_.scene.camera;
+  const auto of_motion = [&](float seconds) {
+    return static_cast<float>((seconds - motion_start_) / (motion_end_ - motion_start_));
+  };
+  camera.shutter_open = of_motion(camera.shutter_open);
+  camera.shutter_close = of_motion(camera.shutter_close);
+  if (std::isfinite(camera.shutter_open) && std::isfinite(camera.shutter_close))
+    return absl::OkStatus();
+  return ErrorAt(Here(), "the shutter is too far from the TransformTimes to be computed with");
 }
 
 }  // namespace strata

@@ -27,6 +27,7 @@ struct SampleKey {
   uint32_t frame = 0;
   uint32_t x = 0, y = 0;
   uint32_t replicate = 0;
+  SamplerKind kind = SamplerKind::kSobol;  ///< Which of several a PatternSampler is; not hashed.
 
   uint64_t Hash() const {
     uint64_t hash = HashCombine(0, seed);

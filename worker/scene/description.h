@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -66,7 +67,10 @@ struct ImageTexture {
   float scale = 1;
   bool invert = false;   ///< 1 - value, after `scale` (as pbrt: clamped at 0).
   bool nearest = false;  ///< No filtering ("point"); bilinear otherwise.
-  bool scalar = false;   ///< A float texture: the mean of the channels in all of r, g, b.
+  /// A float texture: in all of r, g, b the alpha channel if the image has one that is not 1
+  /// everywhere, as pbrt-v4, else the mean of the channels.
+  bool scalar = false;
+  bool alpha = false;  ///< The alpha channel in all of r, g, b, never encoded; 1 if there is none.
   SourceLocation where;  ///< That names the image.
   std::shared_ptr<const EmbeddedImage> embedded = nullptr;
   std::optional<ImageWrap> wrap_t = std::nullopt;  ///< Along t, where it is not `wrap`.
@@ -130,6 +134,17 @@ struct DiffuseTransmissionMaterial {
   TextureId reflectance = kNoTexture, transmittance = kNoTexture;
   float scale = 1;
 };
+/// Microfacets of Blinn's distribution; a dielectric has k 0.
+struct BlinnMaterial {
+  TextureId eta = kNoTexture, k = kNoTexture;
+  TextureId reflectance = kNoTexture;  ///< As that of ConductorMaterial.
+  TextureId exponent = kNoTexture;
+};
+/// Ashikhmin and Shirley's anisotropic Phong model.
+struct AshikhminShirleyMaterial {
+  TextureId reflectance = kNoTexture, specular = kNoTexture;  ///< Rd and Rs.
+  TextureId u_exponent = kNoTexture, v_exponent = kNoTexture;
+};
 /// glTF 2.0's surface: MetallicRoughnessBsdf says what it does with light. Colours and numbers are
 /// cut to [0, 1]; kNoTexture is what is said beside.
 struct MetallicRoughnessMaterial {
@@ -146,13 +161,33 @@ struct MetallicRoughnessMaterial {
 struct MixMaterial {
   MaterialId a = 0, b = 0;
   TextureId amount = kNoTexture;  ///< Of b.
+  /// Every point scatters as the weighted sum of both; else it has one of them, chosen at random.
+  bool sum = false;
 };
 /// No surface at all, only the border of a medium. Shapes of it are left out of the geometry.
 struct InterfaceMaterial {};
 using MaterialDescription =
     std::variant<DiffuseMaterial, ConductorMaterial, DielectricMaterial, ThinDielectricMaterial,
                  CoatedDiffuseMaterial, CoatedConductorMaterial, DiffuseTransmissionMaterial,
-                 MetallicRoughnessMaterial, MixMaterial, InterfaceMaterial>;
+                 BlinnMaterial, AshikhminShirleyMaterial, MetallicRoughnessMaterial, MixMaterial,
+                 InterfaceMaterial>;
+
+/// What turns the shading normal of a material away from that of the shape, without moving the
+/// surface. At most one of the two maps is set.
+struct SurfaceDetail {
+  /// A tangent-space normal map (PBRT 10.5.3), linear: n = 2 (r, g, b) - 1 has its x along dp/du,
+  /// its z along the shading normal and its y along their cross product.
+  TextureId normal_map = kNoTexture;
+  float normal_scale = 1;  ///< Of n.x and n.y.
+  /// y towards growing v, also where the texture lies mirrored on the surface (glTF); else always
+  /// along normal x dp/du (pbrt).
+  bool y_along_v = false;
+  /// A bump map (PBRT 10.5.2): r is a height along the shading normal, in units of the shape's
+  /// space after all transforms.
+  TextureId displacement = kNoTexture;
+
+  bool Any() const { return normal_map != kNoTexture || displacement != kNoTexture; }
+};
 
 // ---- shapes, in their own space, placed by `to_world` ----
 
@@ -179,8 +214,18 @@ struct BilinearPatchShape {
   std::vector<Vec2f> uvs;
   std::vector<std::array<uint32_t, 4>> patches;  ///< Corners p00, p10, p01, p11.
 };
-using ShapeGeometry =
-    std::variant<TriangleMeshShape, SphereShape, DiskShape, CylinderShape, BilinearPatchShape>;
+/// How a curve has its width: across each ray, all around, or across its normals.
+enum class CurveKind { kFlat, kCylinder, kRibbon };
+/// Any number of curves, as segments of cubic Bezier curves.
+struct CurveShape {
+  CurveKind kind = CurveKind::kFlat;
+  std::vector<Vec3f> positions;    ///< Control points.
+  std::vector<float> radii;        ///< Half the width, for each control point.
+  std::vector<Vec3f> normals;      ///< Ribbons: for each control point.
+  std::vector<uint32_t> segments;  ///< The first of four consecutive control points each.
+};
+using ShapeGeometry = std::variant<TriangleMeshShape, SphereShape, DiskShape, CylinderShape,
+                                   BilinearPatchShape, CurveShape>;
 
 /// Emission of a shape. Radiance leaves the side the surface normal points to, or both.
 struct AreaEmission {
@@ -190,6 +235,13 @@ struct AreaEmission {
                                    ///< is negative in it counts as 0.
 };
 
+/// Which part of a surface is there: a ray that meets a point goes on with the probability 1 -
+/// alpha as if there were none.
+struct AlphaMask {
+  TextureId texture = kNoTexture;  ///< r is alpha; kNoTexture: 1 everywhere.
+  std::optional<float> cutoff;     ///< If set, alpha counts as 1 from here on and as 0 below.
+};
+
 struct ShapeDescription {
   SourceLocation where;
   ShapeGeometry geometry;
@@ -197,6 +249,7 @@ struct ShapeDescription {
   MaterialId material = 0;
   bool reverse_orientation = false;
   std::optional<AreaEmission> emission;
+  AlphaMask alpha;
 };
 
 /// Shapes that are placed by instances; their to_world leads to the object's space.
@@ -208,6 +261,7 @@ struct InstanceDescription {
   SourceLocation where;
   int32_t object = 0;
   Transform to_world;
+  std::optional<Transform> to_world_at_end;  ///< At time 1, if it moves: see MotionSteps.
 };
 
 // ---- lights other than emissive shapes ----
@@ -215,6 +269,28 @@ struct InstanceDescription {
 struct PointLightDescription {
   Vec3d position;  ///< World.
   Rgb intensity;
+};
+/// Full intensity up to falloff_start from the axis, none from cone_angle on.
+struct SpotLightDescription {
+  Vec3d position;                             ///< World.
+  Vec3f direction;                            ///< World, unit, away from the light.
+  float cone_angle = 30, falloff_start = 25;  ///< Degrees; at most 180, falloff_start no more.
+  Rgb intensity;                              ///< Along the axis.
+};
+/// A picture's pixels are intensities. Light space: x to its right, y up, z forward.
+struct ProjectionLightDescription {
+  std::string path;  ///< In the bundle.
+  Transform to_world;
+  float fov = 90;  ///< Degrees, of the picture's shorter side.
+  float scale = 1;
+  std::optional<double> power;  ///< If set: luminance of the power, whatever the scale.
+};
+/// A measured lamp. Light space: y up.
+struct GoniometricLightDescription {
+  std::string path;  ///< In the bundle: pbrt-v4's equal-area octahedral layout, or *.ies.
+  Transform to_world;
+  Rgb intensity;                ///< Multiplies the diagram's.
+  std::optional<double> power;  ///< If set: luminance of the power, whatever the intensity's.
 };
 struct DistantLightDescription {
   Vec3f direction;  ///< World, unit, from the scene towards the light.
@@ -230,24 +306,38 @@ struct ImageInfiniteLightDescription {
   Transform to_world;
   float scale = 1;
   EnvironmentMapping mapping = EnvironmentMapping::kEqualArea;
+  /// World: a rectangle's corners in order, p0 to p3. If set, light comes through it alone, against
+  /// (p3 - p0) x (p1 - p0), to points on that side of it.
+  std::optional<std::array<Vec3d, 4>> portal;
 };
 struct LightDescription {
   SourceLocation where;
-  std::variant<PointLightDescription, DistantLightDescription, ConstantInfiniteLightDescription,
-               ImageInfiniteLightDescription>
+  std::variant<PointLightDescription, SpotLightDescription, ProjectionLightDescription,
+               GoniometricLightDescription, DistantLightDescription,
+               ConstantInfiniteLightDescription, ImageInfiniteLightDescription>
       light;
 };
 
 // ---- camera and defaults ----
 
-/// Perspective with a thin lens (PBRT 5.2). Camera space: x right, y up, z forward.
+enum class CameraKind { kPerspective, kOrthographic, kSpherical };
+
+/// PBRT 5.2 and 5.3. Camera space: x right, y up, z forward.
 struct CameraDescription {
+  CameraKind kind = CameraKind::kPerspective;
   Transform camera_to_world;
-  float fov = 90;         ///< Degrees, over the shorter edge of the screen window.
-  float lens_radius = 0;  ///< Scene units.
+  std::optional<Transform> camera_to_world_at_end;  ///< At time 1, if it moves: see MotionSteps.
+  /// Times of motion, at 0 of which things are at their start and at 1 at their end. Before and
+  /// after that they stand still.
+  float shutter_open = 0, shutter_close = 1;
+  float fov = 90;         ///< Perspective alone. Degrees, over the shorter edge of the window.
+  float lens_radius = 0;  ///< Of a thin lens, not of spherical cameras. Scene units.
   float focal_distance = 1e6f;
   std::optional<float> frame_aspect;  ///< Width over height; from the frame if unset.
-  std::optional<std::array<float, 4>> screen_window;  ///< x_min, x_max, y_min, y_max.
+  /// x_min, x_max, y_min, y_max: in units of camera space for orthographic cameras.
+  std::optional<std::array<float, 4>> screen_window;
+  /// How a spherical camera's frame holds the directions around it; y is up.
+  EnvironmentMapping spherical_mapping = EnvironmentMapping::kEqualArea;
 };
 
 /// What the file says of the frame; job options override it.
@@ -265,6 +355,8 @@ struct SceneDescription {
   CameraDescription camera;
   std::vector<TextureDescription> textures;
   std::vector<MaterialDescription> materials;  ///< Never empty: 0 is pbrt's default, diffuse 0.5.
+  /// Of the materials that have any. A mix has that of the material it chooses, a sum has its own.
+  std::map<MaterialId, SurfaceDetail> surface_details;
   std::vector<ShapeDescription> shapes;
   std::vector<ObjectDescription> objects;
   std::vector<InstanceDescription> instances;

@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "worker/math/box.h"
+#include "worker/math/vec3d.h"
 
 namespace strata {
 namespace {
@@ -24,6 +25,14 @@ Box BoundsOf(const DiskShape& s) {
 }
 Box BoundsOf(const CylinderShape& s) {
   return {{-s.radius, -s.radius, s.z_min}, {s.radius, s.radius, s.z_max}};
+}
+Box BoundsOf(const CurveShape& s) {
+  Box box = BoundsOf(s.positions);
+  if (box.Empty() || s.radii.empty()) return box;
+  const double radius = *std::max_element(s.radii.begin(), s.radii.end());
+  box.Include(box.min - Vec3d{radius, radius, radius});
+  box.Include(box.max + Vec3d{radius, radius, radius});
+  return box;
 }
 
 /// A box around `box` taken through `to`.
@@ -67,7 +76,9 @@ Box BoundsOf(const SceneDescription& scene) {
   for (const ObjectDescription& object : scene.objects) objects.push_back(BoundsOf(object.shapes));
   for (const InstanceDescription& instance : scene.instances) {
     const size_t object = static_cast<size_t>(instance.object);
-    if (object < objects.size()) box.Include(Placed(objects[object], instance.to_world));
+    if (object >= objects.size()) continue;
+    box.Include(Placed(objects[object], instance.to_world));
+    if (instance.to_world_at_end) box.Include(Placed(objects[object], *instance.to_world_at_end));
   }
   return box;
 }
@@ -80,13 +91,26 @@ Vec3d Recentre(SceneDescription& scene) {
   const Vec3d origin = OriginOf(scene);
   const Transform to_new = Transform::Translate(-origin.x, -origin.y, -origin.z);
   const Transform to_file = Transform::Translate(origin.x, origin.y, origin.z);
-  scene.camera.camera_to_world = to_new * scene.camera.camera_to_world;
+  const auto move = [&](Transform& to_world, std::optional<Transform>& at_end) {
+    to_world = to_new * to_world;
+    if (at_end) at_end = to_new * *at_end;
+  };
+  move(scene.camera.camera_to_world, scene.camera.camera_to_world_at_end);
   for (ShapeDescription& shape : scene.shapes) shape.to_world = to_new * shape.to_world;
   for (InstanceDescription& instance : scene.instances)
-    instance.to_world = to_new * instance.to_world;
+    move(instance.to_world, instance.to_world_at_end);
   for (LightDescription& light : scene.lights) {
     if (auto* point = std::get_if<PointLightDescription>(&light.light))
       point->position = to_new.Point(point->position);
+    if (auto* spot = std::get_if<SpotLightDescription>(&light.light))
+      spot->position = to_new.Point(spot->position);
+    if (auto* projection = std::get_if<ProjectionLightDescription>(&light.light))
+      projection->to_world = to_new * projection->to_world;
+    if (auto* lamp = std::get_if<GoniometricLightDescription>(&light.light))
+      lamp->to_world = to_new * lamp->to_world;
+    if (auto* sky = std::get_if<ImageInfiniteLightDescription>(&light.light); sky && sky->portal) {
+      for (Vec3d& corner : *sky->portal) corner = to_new.Point(corner);
+    }
   }
   for (TextureDescription& texture : scene.textures) {
     if (auto* checkerboard = std::get_if<CheckerboardTexture>(&texture))

@@ -42,6 +42,16 @@ void ForEachTexture(Material& material, F f) {
         } else if constexpr (std::is_same_v<M, DiffuseTransmissionMaterial>) {
           f(m.reflectance);
           f(m.transmittance);
+        } else if constexpr (std::is_same_v<M, BlinnMaterial>) {
+          f(m.eta);
+          f(m.k);
+          f(m.reflectance);
+          f(m.exponent);
+        } else if constexpr (std::is_same_v<M, AshikhminShirleyMaterial>) {
+          f(m.reflectance);
+          f(m.specular);
+          f(m.u_exponent);
+          f(m.v_exponent);
         } else if constexpr (std::is_same_v<M, MetallicRoughnessMaterial>) {
           f(m.base_color);
           f(m.metallic);
@@ -59,6 +69,12 @@ void ForEachTexture(Material& material, F f) {
         }
       },
       material);
+}
+
+template <typename F>
+void ForEachTexture(SurfaceDetail& detail, F f) {
+  f(detail.normal_map);
+  f(detail.displacement);
 }
 
 /// Of the textures that a texture is made of.

@@ -20,8 +20,10 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Build(SceneDescription descr
   description.shapes.clear();
   description.objects.clear();
   STRATA_ASSIGN_OR_RETURN(scene->textures_, TextureSet::Load(description.textures, source));
+  scene->geometry_->SetTextures(*scene->textures_);
   STRATA_ASSIGN_OR_RETURN(scene->materials_,
-                          MaterialSet::Build(std::move(description.materials), *scene->textures_));
+                          MaterialSet::Build(std::move(description.materials), *scene->textures_,
+                                             description.surface_details));
   STRATA_ASSIGN_OR_RETURN(LightSet lights, LightSet::Build(description, *scene->geometry_,
                                                            *scene->textures_, source, options));
   scene->lights_ = std::make_unique<LightSet>(std::move(lights));

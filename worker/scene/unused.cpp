@@ -33,6 +33,7 @@ class UseList {
     }
     *parts = std::move(kept);
   }
+  bool Has(int32_t id) const { return used_[static_cast<size_t>(id)]; }
   int32_t NewId(int32_t id) const { return new_ids_[static_cast<size_t>(id)]; }
 
  private:
@@ -81,16 +82,22 @@ void DropMaterials(SceneDescription* scene, UnusedParts* unused) {
       mix->b = used.NewId(mix->b);
     }
   }
+  std::map<MaterialId, SurfaceDetail> details;
+  for (const auto& [id, detail] : scene->surface_details)
+    if (used.Has(id)) details[used.NewId(id)] = detail;
+  scene->surface_details = std::move(details);
   ForEachShape(scene,
                [&](ShapeDescription& shape) { shape.material = used.NewId(shape.material); });
 }
 
 void DropTextures(SceneDescription* scene, UnusedParts* unused) {
   UseList used(scene->textures.size());
-  for (const MaterialDescription& material : scene->materials)
-    ForEachTexture(material, [&](TextureId id) { MarkTexture(*scene, id, &used); });
+  const auto mark = [&](TextureId id) { MarkTexture(*scene, id, &used); };
+  for (const MaterialDescription& material : scene->materials) ForEachTexture(material, mark);
+  for (auto& [id, detail] : scene->surface_details) ForEachTexture(detail, mark);
   ForEachShape(scene, [&](const ShapeDescription& shape) {
-    if (shape.emission) MarkTexture(*scene, shape.emission->texture, &used);
+    mark(shape.alpha.texture);
+    if (shape.emission) mark(shape.emission->texture);
   });
   used.Compact(&scene->textures, [&](const TextureDescription& texture) {
     if (!std::holds_alternative<ConstantTexture>(texture)) ++unused->textures;
@@ -100,8 +107,10 @@ void DropTextures(SceneDescription* scene, UnusedParts* unused) {
     if (id != kNoTexture) id = used.NewId(id);
   };
   for (MaterialDescription& material : scene->materials) ForEachTexture(material, renumber);
+  for (auto& [id, detail] : scene->surface_details) ForEachTexture(detail, renumber);
   for (TextureDescription& texture : scene->textures) ForEachInput(texture, renumber);
   ForEachShape(scene, [&](ShapeDescription& shape) {
+    renumber(shape.alpha.texture);
     if (shape.emission) renumber(shape.emission->texture);
   });
 }

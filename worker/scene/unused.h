@@ -10,7 +10,7 @@ namespace strata {
 struct UnusedParts {
   uint64_t objects = 0;    ///< Placed by no instance.
   uint64_t materials = 0;  ///< Of no shape that is left.
-  uint64_t textures = 0;   ///< Of no material or emission left; constants are not counted.
+  uint64_t textures = 0;   ///< Of nothing that is left; constants are not counted.
   uint64_t images = 0;     ///< Those of the textures that are image files.
 
   bool Any() const { return objects + materials + textures > 0; }

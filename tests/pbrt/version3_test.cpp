@@ -1,0 +1,175 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "tests/pbrt/scene_folder.h"
+
+// Words of pbrt-v3: those that mean what a word of v4 means are read as that and noted, the others
+// are refused with what to use.
+
+namespace strata {
+namespace {
+
+PbrtScene MustRead(const std::string& text) {
+  absl::StatusOr<PbrtScene> scene = ReadText(text);
+  EXPECT_TRUE(scene.ok()) << scene.status();
+  return scene.ok() ? *std::move(scene) : PbrtScene{};
+}
+PbrtScene World(const std::string& text) { return MustRead("WorldBegin\n" + text); }
+
+/// The material of the only shape.
+template <typename M>
+M MaterialOf(const PbrtScene& scene) {
+  const auto* material =
+      std::get_if<M>(&scene.scene.materials.at(scene.scene.shapes.at(0).material));
+  EXPECT_NE(material, nullptr);
+  return material ? *material : M{};
+}
+
+Rgb ColorOf(const PbrtScene& scene, TextureId id) {
+  return std::get<ConstantTexture>(scene.scene.textures.at(id)).value;
+}
+
+bool Warns(const PbrtScene& scene, std::string_view text) {
+  for (const SceneWarning& warning : scene.warnings) {
+    if (warning.text.find(text) != std::string::npos) return true;
+  }
+  return false;
+}
+
+TEST(Version3, AWholeFileIsReadAsTheOneOfVersion4) {
+  const PbrtScene old = MustRead(R"(
+    LookAt 0 0 -5  0 0 0  0 1 0
+    Camera "perspective" "float fov" [ 45 ]
+    Sampler "02sequence" "integer pixelsamples" [ 64 ]
+    PixelFilter "box" "float xwidth" [ 0.75 ] "float ywidth" [ 0.75 ]
+    SurfaceIntegrator "path" "integer maxdepth" [ 7 ]
+    Film "image" "integer xresolution" [ 40 ] "integer yresolution" [ 30 ]
+    WorldBegin
+      Texture "t" "color" "checkerboard" "color tex1" [ 1 0 0 ] "color tex2" [ 0 0 1 ]
+      Material "matte" "texture Kd" "t"
+      AttributeBegin
+        AreaLightSource "area" "rgb L" [ 1 2 3 ] "integer nsamples" [ 4 ]
+        Shape "sphere"
+      AttributeEnd
+    WorldEnd)");
+  const PbrtScene now = MustRead(R"(
+    LookAt 0 0 -5  0 0 0  0 1 0
+    Camera "perspective" "float fov" [ 45 ]
+    Sampler "sobol" "integer pixelsamples" [ 64 ]
+    PixelFilter "box" "float xradius" [ 0.75 ] "float yradius" [ 0.75 ]
+    Integrator "path" "integer maxdepth" [ 7 ]
+    Film "rgb" "integer xresolution" [ 40 ] "integer yresolution" [ 30 ]
+    WorldBegin
+      Texture "t" "spectrum" "checkerboard" "rgb tex1" [ 1 0 0 ] "rgb tex2" [ 0 0 1 ]
+      Material "diffuse" "texture reflectance" "t"
+      AttributeBegin
+        AreaLightSource "diffuse" "rgb L" [ 1 2 3 ]
+        Shape "sphere"
+      AttributeEnd)");
+  EXPECT_TRUE(now.warnings.empty());
+  const FrameDefaults &a = old.scene.defaults, &b = now.scene.defaults;
+  EXPECT_EQ(a.width, b.width);
+  EXPECT_EQ(a.spp, b.spp);
+  EXPECT_EQ(a.max_depth, b.max_depth);
+  EXPECT_EQ(a.filter.radius_x, b.filter.radius_x);
+  EXPECT_EQ(MaterialOf<DiffuseMaterial>(old).reflectance,
+            MaterialOf<DiffuseMaterial>(now).reflectance);
+  EXPECT_EQ(old.scene.shapes.at(0).emission->radiance, (Rgb{1, 2, 3}));
+  for (const char* note :
+       {"Sampler \"02sequence\" is read as \"sobol\"", "\"xwidth\" of PixelFilter is read as",
+        "SurfaceIntegrator is read as Integrator", "Film \"image\" is read as \"rgb\"",
+        "texture type \"color\" is read as \"spectrum\"",
+        "parameter type \"color\" is read as \"rgb\"", "Material \"matte\" is read as \"diffuse\"",
+        "\"Kd\" of Material is read as", "AreaLightSource \"area\" is read as \"diffuse\"",
+        "\"nsamples\" of AreaLightSource is ignored", "WorldEnd is read as the end"})
+    EXPECT_TRUE(Warns(old, note)) << note;
+}
+
+TEST(Version3, MaterialsHaveTheirDefaults) {
+  const PbrtScene mirror = World("Material \"mirror\" Shape \"sphere\"");
+  const auto silver = MaterialOf<ConductorMaterial>(mirror);
+  EXPECT_EQ(ColorOf(mirror, silver.reflectance), Rgb::Gray(0.9f));
+  EXPECT_EQ(silver.roughness.u, kNoTexture);
+  const PbrtScene plastic = World("Material \"plastic\" \"rgb Ks\" [ 1 1 1 ] Shape \"sphere\"");
+  EXPECT_EQ(ColorOf(plastic, MaterialOf<CoatedDiffuseMaterial>(plastic).reflectance),
+            Rgb::Gray(0.25f));
+  EXPECT_TRUE(Warns(plastic, "\"Ks\" of Material is ignored; the coat reflects by its index"));
+  const PbrtScene glass = World("Material \"glass\" \"float index\" 1.3 Shape \"sphere\"");
+  EXPECT_FLOAT_EQ(MaterialOf<DielectricMaterial>(glass).eta, 1.3f);
+  const PbrtScene leaf =
+      World("Material \"translucent\" \"rgb reflect\" [ .1 .2 .3 ] Shape \"sphere\"");
+  const auto both = MaterialOf<DiffuseTransmissionMaterial>(leaf);
+  EXPECT_EQ(ColorOf(leaf, both.reflectance), (Rgb{0.1f, 0.2f, 0.3f}));
+  EXPECT_EQ(ColorOf(leaf, both.transmittance), Rgb::Gray(0.5f));
+}
+
+TEST(Version3, RoughnessKeepsItsAlpha) {
+  const PbrtScene metal = World("Material \"metal\" \"float roughness\" 0.1 Shape \"sphere\"");
+  const Roughness roughness = MaterialOf<ConductorMaterial>(metal).roughness;
+  EXPECT_FALSE(roughness.remap);
+  // pbrt-v3's RoughnessToAlpha(0.1).
+  EXPECT_NEAR(ColorOf(metal, roughness.u).r, 0.46176, 1e-4);
+  const PbrtScene plain = World(
+      "Material \"metal\" \"float roughness\" 0.1 \"bool remaproughness\" \"false\" Shape "
+      "\"sphere\"");
+  EXPECT_FLOAT_EQ(ColorOf(plain, MaterialOf<ConductorMaterial>(plain).roughness.u).r, 0.1f);
+  EXPECT_FALSE(MaterialOf<ConductorMaterial>(plain).roughness.remap);
+}
+
+TEST(Version3, NamedMaterialsAndMixesAreTranslatedToo) {
+  const PbrtScene scene = World(R"(
+    MakeNamedMaterial "a" "string type" "matte" "rgb Kd" [ 1 0 0 ]
+    MakeNamedMaterial "b" "string type" "mirror"
+    MakeNamedMaterial "m" "string type" "mix" "string namedmaterial1" "a"
+      "string namedmaterial2" "b" "rgb amount" [ 0.3 0.3 0.3 ]
+    NamedMaterial "m" Shape "sphere")");
+  const auto mix = MaterialOf<MixMaterial>(scene);
+  // v3's amount is of the first, v4's of the second.
+  EXPECT_TRUE(std::holds_alternative<ConductorMaterial>(scene.scene.materials.at(mix.a)));
+  EXPECT_TRUE(std::holds_alternative<DiffuseMaterial>(scene.scene.materials.at(mix.b)));
+  EXPECT_FLOAT_EQ(ColorOf(scene, mix.amount).r, 0.3f);
+}
+
+TEST(Version3, CamerasFiltersAndShapesHaveNewWords) {
+  const PbrtScene scene = MustRead(R"(
+    Camera "environment"
+    PixelFilter "gaussian" "float xwidth" 2 "float ywidth" 2 "float alpha" 2
+    WorldBegin
+    Shape "loopsubdiv" "integer nlevels" 1 "point P" [ 0 0 0 1 0 0 0 1 0 ] "integer indices" [ 0 1 2 ]
+    Shape "trianglemesh" "point P" [ 0 0 0 1 0 0 0 1 0 ] "float st" [ 0 0 1 0 0 1 ])");
+  EXPECT_EQ(scene.scene.camera.kind, CameraKind::kSpherical);
+  EXPECT_EQ(scene.scene.camera.spherical_mapping, EnvironmentMapping::kLatLong);
+  EXPECT_NEAR(scene.scene.defaults.filter.sigma, 0.5, 1e-6);
+  EXPECT_EQ(std::get<TriangleMeshShape>(scene.scene.shapes.at(0).geometry).triangles.size(), 4u);
+  EXPECT_EQ(std::get<TriangleMeshShape>(scene.scene.shapes.at(1).geometry).uvs.size(), 3u);
+}
+
+TEST(Version3, WhatHasNoWordIsRefusedWithWhatToUse) {
+  const auto message = [](const std::string& text) {
+    return std::string(ReadWorld(text).status().message());
+  };
+  EXPECT_EQ(message("Material \"disney\""),
+            "scene.pbrt:2: Material \"disney\" of pbrt-v3 is not supported; use diffuse, "
+            "conductor, dielectric or a mix");
+  EXPECT_EQ(message("\nShape \"hyperboloid\""),
+            "scene.pbrt:3: Shape \"hyperboloid\" of pbrt-v3 is not supported; use a trianglemesh");
+  EXPECT_NE(message("LightSource \"infinite\" \"string mapname\" \"sky.exr\"").find("makeequiarea"),
+            std::string::npos);
+  EXPECT_NE(message("WorldEnd\nWorldBegin").find("last of the file"), std::string::npos);
+  EXPECT_NE(message("Material \"mix\" \"string namedmaterial1\" \"a\"").find("namedmaterial2"),
+            std::string::npos);
+}
+
+TEST(Version3, MaterialsOfVersion4ThatAreNotReadSaySo) {
+  for (const char* type : {"subsurface", "measured", "hair"}) {
+    const std::string message(
+        ReadWorld(std::string("\nMaterial \"") + type + "\"").status().message());
+    EXPECT_EQ(message.rfind("scene.pbrt:3: ", 0), 0u) << message;
+    EXPECT_NE(message.find("not supported; use"), std::string::npos) << message;
+  }
+}
+
+}  // namespace
+}  // namespace strata

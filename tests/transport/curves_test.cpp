@@ -1,0 +1,121 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/transport/kernels.h"
+#include "tests/transport/test_scene.h"
+
+// Curves against closed forms: what they cover of a view, and what they reflect of even light.
+
+namespace strata {
+namespace {
+
+CurveShape Straight(CurveKind kind, Vec3f a, Vec3f b, float r0, float r1) {
+  CurveShape curve;
+  curve.kind = kind;
+  for (int i = 0; i < 4; ++i) {
+    const float t = static_cast<float>(i) / 3;
+    curve.positions.push_back(a * (1 - t) + b * t);
+    curve.radii.push_back(r0 * (1 - t) + r1 * t);
+    if (kind == CurveKind::kRibbon) curve.normals.push_back({0, 0, -1});
+  }
+  curve.segments = {0};
+  return curve;
+}
+
+/// An orthographic view of [-1, 1]^2 along z before an environment of radiance 1.
+TestScene Backlit() {
+  TestScene scene;
+  scene.Light(ConstantInfiniteLightDescription{Rgb::Gray(1)});
+  scene.description.camera.kind = CameraKind::kOrthographic;
+  scene.description.camera.camera_to_world = Transform::Translate(0, 0, -5);
+  return scene;
+}
+
+void Add(TestScene& scene, CurveShape curve, MaterialId material) {
+  ShapeDescription& shape = scene.description.shapes.emplace_back();
+  shape.geometry = std::move(curve);
+  shape.material = material;
+}
+
+constexpr CurveKind kKinds[] = {CurveKind::kFlat, CurveKind::kCylinder, CurveKind::kRibbon};
+
+TEST(CurveTransport, AHairCoversItsLengthTimesItsMeanWidth) {
+  for (const CurveKind kind : kKinds) {
+    TestScene scene = Backlit();
+    Add(scene, Straight(kind, {-0.8f, -0.5f, 0}, {0.7f, 0.4f, 0}, 0.03f, 0.01f),
+        scene.Diffuse(0.0f));
+    const double length = std::hypot(1.5, 0.9);
+    for (const KernelKind kernel : {KernelKind::kFast, KernelKind::kReference}) {
+      JobSpec spec = TestSpec(32, 1024, 1);
+      const Estimate mean = FrameMean(RenderBy(BuildScene(scene), spec, kernel, {0, 128}), 1);
+      // Of a cone, seen along its side, the outline is a little wider than the radius: 1e-4.
+      const double truth = 1 - length * 0.04 / 4;
+      EXPECT_NEAR(mean.mean, truth, kCritical * mean.standard_error + 5e-6);
+      EXPECT_LT(mean.standard_error, 1e-4);
+      // The control: a width that is larger by 5 %.
+      EXPECT_FALSE(Agrees(mean, 1 - length * 0.042 / 4));
+    }
+  }
+}
+
+/// A convex thing of reflectance 1/2 in even light shows half of it, whichever way its normals
+/// look, unless it shadows itself.
+TEST(CurveTransport, AHairInEvenLightShowsItsReflectance) {
+  for (const CurveKind kind : kKinds) {
+    TestScene scene = Backlit();
+    Add(scene, Straight(kind, {-0.8f, -0.5f, 0}, {0.7f, 0.4f, 0}, 0.15f, 0.15f),
+        scene.Diffuse(0.5f));
+    for (const KernelKind kernel : {KernelKind::kFast, KernelKind::kReference}) {
+      JobSpec spec = TestSpec(16, 256, 3);
+      spec.channels.alpha = true;
+      const Partial partial = RenderBy(BuildScene(scene), spec, kernel, {0, 32});
+      double difference = 0;
+      for (int64_t pixel = 0; pixel < spec.crop.Pixels(); ++pixel) {
+        const int64_t at = pixel * partial.layout.Doubles();
+        const double covered = partial.values[at + partial.layout.Plain(0)];
+        difference += PixelMean(partial, pixel, 1) - (1 - 0.5 * covered);
+        EXPECT_NEAR(PixelMean(partial, pixel, 1), 1 - 0.5 * covered, 0.02)
+            << static_cast<int>(kind) << " pixel " << pixel;
+      }
+      // Flat curves turn to face every ray, and so shadow themselves a little.
+      EXPECT_NEAR(difference / static_cast<double>(spec.crop.Pixels()), 0,
+                  kind == CurveKind::kFlat ? 2e-3 : 5e-4)
+          << static_cast<int>(kind);
+    }
+  }
+}
+
+/// Random hairs, straight and bent, of every kind, lit by a lamp.
+TestScene Tuft() {
+  TestScene scene;
+  uint64_t state = 1;
+  const auto random = [&] {
+    state = state * 6364136223846793005u + 1442695040888963407u;
+    return static_cast<float>(state >> 40) * 0x1p-24f;
+  };
+  const MaterialId materials[] = {
+      scene.Diffuse({0.7f, 0.5f, 0.3f}),
+      scene.Material(CoatedDiffuseMaterial{.reflectance = scene.Texture(Rgb::Gray(0.4f)),
+                                           .albedo = scene.Texture({})}),
+      scene.Material(DielectricMaterial{})};
+  for (int i = 0; i < 60; ++i) {
+    const CurveKind kind = kKinds[i % 3];
+    CurveShape curve = Straight(kind, {2 * random() - 1, 0, 2 * random() - 1},
+                                {2 * random() - 1, 1.5f, 2 * random() - 1}, 0.04f, 0.02f);
+    curve.positions[1] += Vec3f{random() - 0.5f, 0, random() - 0.5f};
+    Add(scene, curve, materials[(i / 3) % 3]);
+  }
+  scene.Polygon({{-3, 0, -3}, {-3, 0, 3}, {3, 0, 3}, {3, 0, -3}}, scene.Diffuse(0.5f));
+  scene.Sphere({1.5f, 3, -1}, 0.4f, scene.Diffuse(0.0f), Emits(10));
+  scene.Light(ConstantInfiniteLightDescription{{0.2f, 0.3f, 0.4f}});
+  scene.Camera({0, 1.2f, -4}, {0, 0.7f, 0}, 40);
+  return scene;
+}
+
+TEST(CurveTransport, KernelsAgreeOnNearlyEverySample) {
+  EXPECT_GE(AgreeingShare(BuildScene(Tuft()), TestSpec(32, 64, 6), 1e-5), 0.99);
+}
+
+}  // namespace
+}  // namespace strata
