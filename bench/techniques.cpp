@@ -26,7 +26,7 @@ struct Options {
 
 struct Technique {
   const char* name;
-  LightOptions lights;
+  BuildOptions build;
   DirectStrategy strategy = DirectStrategy::kMis;
   RouletteKind roulette = RouletteKind::kThroughput;
 };
@@ -54,7 +54,7 @@ const Table& Roulettes() {
   return roulettes;
 }
 
-const Table& LightTechniques() {
+const Table& SceneTechniques() {
   static const Table techniques = {
       {"as shipped", {}},
       {"lights chosen by intensity", {.selection = LightSelection::kIntensity}},
@@ -63,6 +63,7 @@ const Table& LightTechniques() {
       {"quads as two triangles", {.quads = false}},
       {"environment by luminance", {.compensate = false}},
       {"no guide to mirrored lamps", {.mirrors = false}},
+      {"small scenes by a hierarchy", {.few_triangles = false}},
   };
   return techniques;
 }
@@ -113,10 +114,10 @@ SceneDescription ManyLights() {
 }
 
 absl::StatusOr<std::shared_ptr<const Scene>> LoadWith(const std::string& path,
-                                                      const LightOptions& lights) {
-  if (path == "many-lights") return Scene::Build(ManyLights(), DirectorySource("."), lights);
+                                                      const BuildOptions& build) {
+  if (path == "many-lights") return Scene::Build(ManyLights(), DirectorySource("."), build);
   const std::filesystem::path file = std::filesystem::absolute(path);
-  return LoadScene(DirectorySource(file.parent_path()), file.filename().string(), lights);
+  return LoadScene(DirectorySource(file.parent_path()), file.filename().string(), build);
 }
 
 /// Mean and variance over the seeds of the channels of one frame.
@@ -160,7 +161,7 @@ absl::StatusOr<std::vector<Row>> Measure(const std::string& path, const Table& t
   RenderPool pool(options.threads);
   std::vector<std::shared_ptr<const Scene>> scenes;
   for (const Technique& technique : table) {
-    STRATA_ASSIGN_OR_RETURN(const auto scene, LoadWith(path, technique.lights));
+    STRATA_ASSIGN_OR_RETURN(const auto scene, LoadWith(path, technique.build));
     scenes.push_back(scene);
   }
   JobSpec spec;
@@ -204,9 +205,9 @@ int Main(int argc, char** argv) {
   std::vector<std::string> scenes;
   Options options;
   app.add_option("scenes", scenes, "pbrt files, or \"many-lights\": 10,000 of them")->required();
-  std::string table_name = "lights";
+  std::string table_name = "scene";
   app.add_option("--table", table_name, "what is compared")
-      ->check(CLI::IsMember({"lights", "strategies", "roulette"}));
+      ->check(CLI::IsMember({"scene", "strategies", "roulette"}));
   app.add_option("--size", options.size, "edge of the square frame in pixels");
   app.add_option("--spp", options.spp, "samples per pixel, a multiple of 8");
   app.add_option("--seeds", options.seeds)->check(CLI::Range(2, 1 << 20));
@@ -214,7 +215,7 @@ int Main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   const Table& table = table_name == "strategies" ? Strategies()
                        : table_name == "roulette" ? Roulettes()
-                                                  : LightTechniques();
+                                                  : SceneTechniques();
   for (const std::string& path : scenes) {
     const auto rows = Measure(path, table, options);
     if (!rows.ok()) {

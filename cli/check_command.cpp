@@ -25,7 +25,8 @@ struct CheckResult {
   JobSpec spec;
   SceneSummary summary;
   UnusedParts unused;
-  uint64_t scene_bytes = 0;  ///< By which this process grew while it loaded the scene.
+  uint64_t scene_bytes = 0;       ///< By which this process grew while it loaded the scene.
+  int64_t background_pixels = 0;  ///< Renderer::BackgroundPixels.
   std::vector<std::string> notes, warnings;
 };
 
@@ -38,17 +39,20 @@ uint64_t ResidentBytes() {
 }
 
 /// Builds the scene as a worker would and throws it away: what a worker would stumble over, this
-/// stumbles over.
-absl::StatusOr<uint64_t> MeasureLoading(const ScenePath& path, const Bundle& bundle) {
+/// stumbles over. Sets what `result` says of it.
+absl::Status BuildScene(const ScenePath& path, const JobSpec& spec, CheckResult* result) {
   malloc_trim(0);  // What was freed but kept would otherwise serve the scene, and not be counted.
   const uint64_t before = ResidentBytes();
   const absl::StatusOr<std::shared_ptr<const Scene>> scene =
-      LoadScene(path.Source(), path.scene, {}, bundle.options);
+      LoadScene(path.Source(), path.scene, {}, spec.bundle.options);
   if (!scene.ok()) {
     return absl::InvalidArgumentError(path.Located(std::string(scene.status().message())));
   }
   const uint64_t after = ResidentBytes();
-  return after > before ? after - before : 0;
+  result->scene_bytes = after > before ? after - before : 0;
+  STRATA_ASSIGN_OR_RETURN(const auto renderer, Renderer::Create(*scene, spec));
+  result->background_pixels = renderer->BackgroundPixels();
+  return absl::OkStatus();
 }
 
 absl::StatusOr<CheckResult> CheckScene(const JobOptions& options) {
@@ -59,7 +63,7 @@ absl::StatusOr<CheckResult> CheckScene(const JobOptions& options) {
   result.unused = loaded.file.unused;
   result.summary.files = job.spec.bundle.files.size();
   for (const BundleFile& file : job.spec.bundle.files) result.summary.file_bytes += file.bytes;
-  STRATA_ASSIGN_OR_RETURN(result.scene_bytes, MeasureLoading(loaded.path, job.spec.bundle));
+  STRATA_RETURN_IF_ERROR(BuildScene(loaded.path, job.spec, &result));
   result.spec = std::move(job.spec);
   result.notes = std::move(job.notes);
   result.warnings = std::move(job.warnings);
@@ -101,6 +105,10 @@ void PrintLines(const CheckResult& result, Console& console) {
                                        FormatBytes(static_cast<double>(result.scene_bytes)))});
   for (const std::string& line : table.Lines()) console.Result(line);
   for (const std::string& note : result.notes) console.Note(note);
+  if (result.background_pixels > 0) {
+    console.Note(absl::StrCat(result.background_pixels, " of ", spec.crop.Pixels(),
+                              " pixels see the background only, so no rays are traced there"));
+  }
   for (const std::string& warning : result.warnings) console.Warning(warning);
   console.Result(result.warnings.empty()
                      ? std::string("everything is supported")
@@ -130,6 +138,7 @@ void PrintJson(const CheckResult& result, Console& console) {
                       {"textures", summary.textures},
                       {"files", summary.files},
                       {"file_bytes", summary.file_bytes},
+                      {"background_pixels", result.background_pixels},
                       {"unused",
                        {{"objects", result.unused.objects},
                         {"materials", result.unused.materials},

@@ -45,6 +45,24 @@ TEST(Check, TellsPeopleTheSameInWords) {
   }
 }
 
+TEST(Check, PixelsThatSeeTheBackgroundOnlyAreCounted) {
+  const SceneFolder folder;
+  const std::string scene = folder.Write("ball.pbrt", R"(Film "rgb" "integer xresolution" 40
+  "integer yresolution" 40
+LookAt 0 0 -9  0 0 0  0 1 0
+Camera "perspective" "float fov" 45
+WorldBegin
+LightSource "distant" "point3 from" [0 1 -1]
+Shape "sphere"
+)");
+  const CommandResult check = RunInProcess({"check", scene, "--json"});
+  ASSERT_EQ(check.exit_status, 0) << check.err;
+  // The ball takes a third of the width.
+  EXPECT_GT(json::parse(check.out)["background_pixels"], 40 * 40 / 2);
+  EXPECT_LT(json::parse(check.out)["background_pixels"], 40 * 40 * 8 / 9);
+  EXPECT_NE(RunInProcess({"check", scene}).err.find("see the background only"), std::string::npos);
+}
+
 TEST(Check, WhatIsNotSupportedIsAWarningWithItsPlace) {
   const SceneFolder folder;
   const std::string scene = folder.Write("fog.pbrt", R"(Camera "perspective"

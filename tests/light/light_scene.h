@@ -47,7 +47,7 @@ class LightFiles {
 /// The lights of a description and what they refer to.
 struct LightScene {
   explicit LightScene(SceneDescription scene, const FileSource& source = DirectorySource("."),
-                      const LightOptions& options = {}) {
+                      const BuildOptions& options = {}) {
     scene.textures.push_back(ConstantTexture{Rgb::Gray(0.5f)});
     scene.materials.push_back(DiffuseMaterial{static_cast<TextureId>(scene.textures.size()) - 1});
     auto built = Geometry::Build(scene);

@@ -29,11 +29,11 @@ struct TestLights {
       scene.lights.push_back({{}, PointLightDescription{{0, 0, 1}, Rgb::Gray(intensity)}});
     Build(std::move(scene), {});
   }
-  TestLights(SceneDescription scene, const LightOptions& options) {
+  TestLights(SceneDescription scene, const BuildOptions& options) {
     Build(std::move(scene), options);
   }
 
-  void Build(SceneDescription scene, const LightOptions& options) {
+  void Build(SceneDescription scene, const BuildOptions& options) {
     scene.textures.push_back(ConstantTexture{Rgb::Gray(0.5f)});
     scene.materials.push_back(DiffuseMaterial{0});
     scene.shapes.emplace_back().geometry = DiskShape{};

@@ -166,7 +166,7 @@ TEST(StrategyTest, AgreeUnderTexturedLamps) {
 }
 
 /// Each way of choosing and sampling lights has the same expectation.
-TEST(StrategyTest, LightOptionsChangeNoMean) {
+TEST(StrategyTest, LightTechniquesChangeNoMean) {
   const SceneFolder folder;
   folder.Write("sky.pfm", SkyWithSun());
   const DirectorySource source(folder.root());
@@ -175,17 +175,17 @@ TEST(StrategyTest, LightOptionsChangeNoMean) {
   // A rectangle near the wall, and one that faces away from most of the floor.
   scene.Polygon({{-1, 1, 2.5f}, {1, 1, 2.5f}, {1, 2, 2.5f}, {-1, 2, 2.5f}}, black, Emits(3, true));
   scene.Polygon({{2.5f, 0.1f, -1}, {2.5f, 0.1f, 1}, {2.9f, 1, 1}, {2.9f, 1, -1}}, black, Emits(3));
-  const auto mean = [&](const LightOptions& lights, uint64_t seed) {
+  const auto mean = [&](const BuildOptions& lights, uint64_t seed) {
     JobSpec spec = TestSpec(24, 512, 4);
     spec.seed = seed;
     return FrameMean(RenderFrame(BuildScene(scene, source, lights), spec), 1);
   };
   const Estimate shipped = mean({}, 20);
   uint64_t seed = 20;
-  for (const LightOptions& lights :
-       {LightOptions{.selection = LightSelection::kIntensity},
-        LightOptions{.selection = LightSelection::kUniform}, LightOptions{.quads = false},
-        LightOptions{.solid_angle = false}, LightOptions{.compensate = false}}) {
+  for (const BuildOptions& lights :
+       {BuildOptions{.selection = LightSelection::kIntensity},
+        BuildOptions{.selection = LightSelection::kUniform}, BuildOptions{.quads = false},
+        BuildOptions{.solid_angle = false}, BuildOptions{.compensate = false}}) {
     const Estimate other = mean(lights, ++seed);
     EXPECT_TRUE(Agree(shipped, other))
         << seed << ": " << shipped.mean << " +- " << shipped.standard_error << ", " << other.mean

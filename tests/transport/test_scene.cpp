@@ -76,7 +76,7 @@ JobSpec TestSpec(int size, uint32_t spp, int max_depth) {
 }
 
 std::shared_ptr<const Scene> BuildScene(const TestScene& scene, const FileSource& source,
-                                        const LightOptions& lights) {
+                                        const BuildOptions& lights) {
   auto built = Scene::Build(scene.description, source, lights);
   EXPECT_TRUE(built.ok()) << built.status();
   return *built;

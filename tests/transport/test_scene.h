@@ -49,7 +49,7 @@ JobSpec TestSpec(int size, uint32_t spp, int max_depth);
 /// `source` holds the scene's images.
 std::shared_ptr<const Scene> BuildScene(const TestScene& scene,
                                         const FileSource& source = DirectorySource("."),
-                                        const LightOptions& lights = {});
+                                        const BuildOptions& lights = {});
 
 /// A frame rendered as one unit; the second by a strategy, whatever `spec` says.
 Partial RenderFrame(std::shared_ptr<const Scene> scene, const JobSpec& spec);

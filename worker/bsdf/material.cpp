@@ -252,6 +252,13 @@ absl::StatusOr<std::unique_ptr<MaterialSet>> MaterialSet::Build(
     set->entries_.push_back(entry);
   }
   STRATA_RETURN_IF_ERROR(set->SetDetails(details));
+  for (const Entry& entry : set->entries_) {
+    const auto* diffuse = std::get_if<DiffuseBsdf>(&entry.bsdf);
+    const bool lambertian = entry.constant && !entry.has_detail && diffuse;
+    const Rgb reflectance = lambertian ? diffuse->reflectance : Rgb{};
+    set->lambert_rows_.push_back(
+        {reflectance.r, reflectance.g, reflectance.b, lambertian ? 1.0f : 0.0f});
+  }
   return set;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <map>
 #include <memory>
 #include <optional>
@@ -38,6 +39,10 @@ class MaterialSet {
     const Entry& entry = entries_[id];
     return entry.constant ? &entry.bsdf : nullptr;
   }
+  /// A row for each material: its reflectance and 1 where it is Lambertian and the same everywhere;
+  /// zeros for the others.
+  using LambertRow = std::array<float, 4>;
+  const std::vector<LambertRow>& lambert_rows() const { return lambert_rows_; }
   /// Whether it looks the same however it is turned about the shape's own shading normal, so that
   /// any tangent will do.
   bool HasPlainFrame(MaterialId id) const { return entries_[id].plain_frame; }
@@ -75,6 +80,7 @@ class MaterialSet {
   const TextureSet& textures_;
   std::vector<MaterialDescription> materials_;
   std::vector<Entry> entries_;
+  std::vector<LambertRow> lambert_rows_;
   std::map<float, CoatInterface> coats_;        ///< By index of refraction.
   std::map<float, AlbedoTable> trapped_light_;  ///< Of coats over metals, likewise.
   std::unique_ptr<SchlickAlbedo> schlick_;      ///< If a material needs it.

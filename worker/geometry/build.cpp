@@ -43,9 +43,10 @@ Box BoundsOf(const Instance& instance, const InstanceMotion* motion, const Box& 
   return box;
 }
 
-/// Frees what growing left over and pads positions, and normals of curves, for Embree.
+/// Frees what growing left over and pads vectors of twelve bytes of which sixteen are read.
 void Finish(TriangleSet* set) {
   set->positions.emplace_back();
+  set->normals.emplace_back();
   set->positions.shrink_to_fit();
   set->normals.shrink_to_fit();
   set->uvs.shrink_to_fit();
@@ -57,6 +58,12 @@ bool HasAlpha(const ShapeGroup& group) {
   return !group.masked.triangles.empty() ||
          std::any_of(group.curved.begin(), group.curved.end(),
                      [](const CurvedShape& shape) { return shape.alpha.texture != kNoTexture; });
+}
+
+bool HasTrianglesOnly(const ShapeGroup& group) {
+  return group.masked.triangles.empty() && group.curved.empty() &&
+         std::all_of(group.curves.begin(), group.curves.end(),
+                     [](const CurveSet& set) { return set.segments.empty(); });
 }
 
 void Finish(CurveSets* sets) {
@@ -79,7 +86,8 @@ absl::Status CheckDevice(RTCDevice device, const std::string& doing) {
 
 }  // namespace
 
-absl::StatusOr<std::unique_ptr<Geometry>> Geometry::Build(const SceneDescription& scene) {
+absl::StatusOr<std::unique_ptr<Geometry>> Geometry::Build(const SceneDescription& scene,
+                                                          const BuildOptions& options) {
   std::unique_ptr<Geometry> geometry(new Geometry);
   geometry->state_ = std::make_unique<State>();
   State& state = *geometry->state_;
@@ -138,6 +146,8 @@ absl::StatusOr<std::unique_ptr<Geometry>> Geometry::Build(const SceneDescription
     geometry->has_alpha_ |= HasAlpha(*group);
   };
   finish(&state.world);
+  if (options.few_triangles && state.instances.empty() && HasTrianglesOnly(state.world))
+    state.few = FewTriangles(state.world.triangles);
   Box bounds = BoundsOf(state.world);
   absl::flat_hash_map<const ShapeGroup*, Box> object_bounds;
   for (const auto& object : state.objects) {

@@ -11,6 +11,7 @@
 
 #include "common/status.h"
 #include "worker/math/vec.h"
+#include "worker/scene/build_options.h"
 #include "worker/scene/description.h"
 
 // All surfaces of a scene behind one intersector. Embree is seen by geometry's .cpp files alone.
@@ -103,7 +104,8 @@ class Geometry {
   /// Uses the shapes, objects, instances and materials (for interfaces, which are left out) of
   /// `scene`. INVALID_ARGUMENT with the location of a shape that cannot be built (singular
   /// transform, index out of range, ...). Emissive shapes in objects shine from every instance.
-  static absl::StatusOr<std::unique_ptr<Geometry>> Build(const SceneDescription& scene);
+  static absl::StatusOr<std::unique_ptr<Geometry>> Build(const SceneDescription& scene,
+                                                         const BuildOptions& options = {});
   ~Geometry();
 
   /// The nearest hit in (0, ray.t_max); false if none. Thread-safe, as all that is const here.

@@ -29,27 +29,27 @@ void SetRays(const RayLanes& from, RTCRay8* to) {
   Store(to->flags, IntLanes{});
 }
 
+/// `from` ends with one vector of padding.
 Vec3Lanes GatherVectors(const std::vector<Vec3f>& from, IntLanes index, MaskLanes mask) {
-  const float* x = &from.front().x;
-  const IntLanes at = index * 3;
-  return {Gather(x, at, mask), Gather(x + 1, at, mask), Gather(x + 2, at, mask)};
+  const RowLanes row = GatherRows(&from.front().x, index * 3, mask);
+  return {row.v[0], row.v[1], row.v[2]};
 }
 
 /// PointOnTriangle, but for what only some materials ask for.
 SurfaceLanes PointsOnTriangles(const TriangleSet& set, const HitLanes& hits, MaskLanes mask) {
-  const int32_t* triangles = reinterpret_cast<const int32_t*>(set.triangles.data());
-  const IntLanes at = hits.primitive * 4;
-  const IntLanes v0 = Gather(triangles, at, mask), v1 = Gather(triangles + 1, at, mask),
-                 v2 = Gather(triangles + 2, at, mask), last = Gather(triangles + 3, at, mask);
-  const IntLanes shape_at = (last & 0x7fffffff) * 5;
+  const auto bits = [](FloatLanes v) { return reinterpret_cast<IntLanes>(v); };
+  const RowLanes triangle =
+      GatherRows(reinterpret_cast<const float*>(set.triangles.data()), hits.primitive * 4, mask);
+  const IntLanes v0 = bits(triangle.v[0]), v1 = bits(triangle.v[1]), v2 = bits(triangle.v[2]),
+                 last = bits(triangle.v[3]);
   const MaskLanes flipped = last < 0;
   static_assert(sizeof(TriangleSet::Shape) == 20);
-  const int32_t* shapes = reinterpret_cast<const int32_t*>(set.shapes.data());
+  const RowLanes shape =
+      GatherRows(reinterpret_cast<const float*>(set.shapes.data()), (last & 0x7fffffff) * 5, mask);
   SurfaceLanes surface;
-  surface.material = Gather(shapes, shape_at, mask);
-  const IntLanes first_light = Gather(shapes + 1, shape_at, mask);
-  const IntLanes first_triangle = Gather(shapes + 2, shape_at, mask);
-  const IntLanes normal_offset = Gather(shapes + 3, shape_at, mask);
+  surface.material = bits(shape.v[0]);
+  const IntLanes first_light = bits(shape.v[1]), first_triangle = bits(shape.v[2]),
+                 normal_offset = bits(shape.v[3]);
   surface.light = first_light >= 0 ? first_light + (hits.primitive - first_triangle) : SameInt(-1);
 
   const Vec3Lanes p0 = GatherVectors(set.positions, v0, mask);
@@ -100,6 +100,8 @@ SurfaceLanes PointsOnTriangles(const TriangleSet& set, const HitLanes& hits, Mas
 
 MaskLanes Intersect(const Geometry& geometry, const RayLanes& rays, MaskLanes active,
                     HitLanes* hits) {
+  const FewTriangles& few = geometry.state().few;
+  if (!few.empty()) return few.Intersect(rays, active, hits);
   RTCRayHit8 packet;
   SetRays(rays, &packet.ray);
   Store(packet.hit.geomID, SameInt(-1));
@@ -117,6 +119,8 @@ MaskLanes Intersect(const Geometry& geometry, const RayLanes& rays, MaskLanes ac
 }
 
 MaskLanes Occluded(const Geometry& geometry, const RayLanes& rays, MaskLanes active) {
+  const FewTriangles& few = geometry.state().few;
+  if (!few.empty()) return few.Occluded(rays, active);
   RTCRay8 packet;
   SetRays(rays, &packet);
   alignas(32) IntLanes valid = active;

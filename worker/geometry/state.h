@@ -7,6 +7,7 @@
 #include "worker/geometry/curve_set.h"
 #include "worker/geometry/curved_shape.h"
 #include "worker/geometry/embree_compat.h"
+#include "worker/geometry/few_triangles.h"
 #include "worker/geometry/geometry.h"
 #include "worker/geometry/placement.h"
 #include "worker/geometry/triangle_set.h"
@@ -58,6 +59,7 @@ struct InstanceMotion {
 struct Geometry::State {
   RTCDevice device = nullptr;
   ShapeGroup world;
+  FewTriangles few;  ///< The world's, if that is all there is.
   std::vector<std::unique_ptr<ShapeGroup>> objects;
   std::vector<Instance> instances;
   const TextureSet* textures = nullptr;  ///< Of alpha masks; without them all is there.

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 
 #include "worker/light/environment_map.h"
 #include "worker/math/elementary.h"
@@ -130,6 +132,41 @@ Ray Camera::SphericalRay(const Pose& pose, Vec2f point) const {
   // The mapping's pole is up, and its first meridian to the right.
   const Vec3f d = SquareToSphere(mapping_, st);
   return {pose.position, Normalize(pose.right * d.x + pose.up * d.z + pose.view * d.y)};
+}
+
+std::optional<Camera::FrameRect> Camera::RectOf(const Geometry::Bounds& box) const {
+  if (moves() || kind_ == CameraKind::kSpherical) return std::nullopt;
+  const bool perspective = kind_ == CameraKind::kPerspective;
+  const Vec3d per_x = ToDouble(pose_.per_x), per_y = ToDouble(pose_.per_y);
+  const Vec3d corner = ToDouble(pose_.corner), view = ToDouble(pose_.view);
+  // A point is origin + depth * axis + x * scale * per_x + y * scale * per_y, where the scale is
+  // the depth for perspective cameras and 1 for others.
+  const Vec3d origin = perspective ? ToDouble(pose_.position) : corner;
+  const Vec3d axis = perspective ? corner : view;
+  const Vec3d across = Cross(per_x, per_y);
+  const double volume = Dot(axis, across);
+  const double lens_x = lens_radius_ * Length(ToDouble(pose_.right)) / Length(per_x);
+  const double lens_y = lens_radius_ * Length(ToDouble(pose_.up)) / Length(per_y);
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  FrameRect rect = {kInfinity, kInfinity, -kInfinity, -kInfinity};
+  for (int i = 0; i < 8; ++i) {
+    const Vec3d p = {i & 1 ? box.max.x : box.min.x, i & 2 ? box.max.y : box.min.y,
+                     i & 4 ? box.max.z : box.min.z};
+    const Vec3d offset = p - origin;
+    const double depth = Dot(offset, across) / volume;
+    if (perspective && !(depth > 1e-6 * Length(offset) / Length(axis))) return std::nullopt;
+    const double scale = perspective ? depth : 1;
+    const double x = Dot(offset, Cross(per_y, axis)) / (volume * scale);
+    const double y = Dot(offset, Cross(axis, per_x)) / (volume * scale);
+    // Seen from the edge of the lens, what is out of focus moves.
+    const double blur = lens_radius_ > 0 ? std::abs(1 - depth / focal_distance_) / scale : 0;
+    rect.x0 = std::min(rect.x0, x - blur * lens_x);
+    rect.x1 = std::max(rect.x1, x + blur * lens_x);
+    rect.y0 = std::min(rect.y0, y - blur * lens_y);
+    rect.y1 = std::max(rect.y1, y + blur * lens_y);
+  }
+  if (!(std::isfinite(rect.x0 + rect.y0) && std::isfinite(rect.x1 + rect.y1))) return std::nullopt;
+  return rect;
 }
 
 float Camera::Depth(Vec3f p, float time) const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "common/status.h"
@@ -20,6 +21,15 @@ class Camera {
   Ray GenerateRay(Vec2f point, Vec2f lens, float time = 0) const;
   /// Of the lanes in `mask`.
   RayLanes GenerateRays(Vec2Lanes point, Vec2Lanes lens, FloatLanes time, MaskLanes mask) const;
+
+  /// A rectangle of the frame, in pixels from its upper left corner.
+  struct FrameRect {
+    double x0, y0, x1, y1;
+  };
+  /// Holds all points of the frame at which something in `box` can be seen, through any point of
+  /// the lens. None where no such bound is known: the camera moves or is spherical, or part of the
+  /// box is not before it.
+  std::optional<FrameRect> RectOf(const Geometry::Bounds& box) const;
 
   bool has_lens() const { return lens_radius_ > 0; }
   bool moves() const { return !motion_.empty(); }

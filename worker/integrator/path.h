@@ -25,7 +25,7 @@ struct PathSettings {
   /// Throughput from which on a path surely goes on; 0: no roulette. At a half variance times time
   /// is near its least on the shared scenes (docs/performance.md).
   float sure_survival = 0.5f;
-  bool features = false;  ///< Whether PathSample::albedo is wanted.
+  bool first_hit = false;  ///< Whether PathSample::hit and what follows it is wanted.
 };
 
 /// What one path found.
@@ -128,9 +128,7 @@ class PathTracer {
       : scene_(scene), settings_(settings), sampler_(sampler), observer_(observer) {}
 
   /// Light that arrives along `ray`. The sampler must have been started on the sample.
-  /// flatten: what is called from here, visits of variants too, is inlined. Left to itself gcc 12
-  /// calls them one by one, and 4 to 8 % of the time goes into passing their results.
-  [[gnu::flatten]] PathSample Trace(Ray ray) {
+  PathSample Trace(Ray ray) {
     ray.id = RayId([&] { return sampler_.Get2D(kPairFilm); }, false);
     for (int depth = 0;; ++depth) {
       Hit hit;
@@ -148,7 +146,7 @@ class PathTracer {
       if (last && depth > 0) break;
       MakeBsdf(depth, ray, hit, vertex);
       observer_.OnVertex(depth, ray, vertex, beta_);
-      if (depth == 0) DescribeFirstHit(vertex);
+      if (depth == 0 && settings_.first_hit) DescribeFirstHit(vertex);
       if (last) break;
 
       StartGuide(depth, vertex);
@@ -229,7 +227,7 @@ class PathTracer {
     result_.hit = true;
     result_.normal = vertex.frame.z;
     result_.position = vertex.point.p;
-    if (settings_.features) result_.albedo = Albedo(*vertex.bsdf, vertex.wo);
+    result_.albedo = Albedo(*vertex.bsdf, vertex.wo);
   }
 
   /// Guides lead to a reflector and on to a lamp: two bounces more.

@@ -27,7 +27,8 @@ class PathLanes {
   /// Traces samples until there are no more. `next(lane, samplers)` starts the next one in a lane
   /// of the samplers, or is false at the end; `rays(get, mask)` gives camera rays, whose
   /// random numbers are get(pair); `store(lane, sample)` takes what a lane has found, before it
-  /// starts another. flatten: see PathTracer::Trace.
+  /// starts another. flatten: what is called from here, visits of variants too,
+  /// is inlined; left to itself gcc 12 calls it piece by piece and passes results in memory.
   template <typename Next, typename CameraRays, typename Store>
   [[gnu::flatten]] void Trace(Next next, CameraRays rays, Store store) {
     MaskLanes alive = {};
@@ -61,7 +62,7 @@ class PathLanes {
     specular_ |= starting;
     depth_ = starting ? IntLanes{} : depth_;
     rays_ = starting ? IntLanes{} : rays_;
-    ForEachLane(starting, [&](int lane) { first_hit_[lane] = {}; });
+    if (settings_.first_hit) ForEachLane(starting, [&](int lane) { first_hit_[lane] = {}; });
     if (scene_.geometry().has_alpha())
       SetRayIds(&ray_, sampler_.Get2D(SameInt(kPairFilm), starting), false, starting);
   }
@@ -148,20 +149,24 @@ class PathLanes {
     const Vec3Lanes wo = -ray_.direction;
     const MaskLanes seen = Dot(surface_.ns, wo) * Dot(surface_.ng, wo) > 0;
     frame_ = FrameLanes::FromNormal(Select(seen, surface_.ns, surface_.ng));
-    lambertian_ = mask;
+    const RowLanes row =
+        GatherRows(scene_.materials().lambert_rows().front().data(), surface_.material * 4, mask);
+    reflectance_ = {row.v[0], row.v[1], row.v[2]};
+    lambertian_ = mask & (row.v[3] > 0);
     receiver_.one_sided = mask;
-    ForEachLane(mask, [&](int lane) {
+    ForEachLane(mask & ~lambertian_, [&](int lane) {
       const Bsdf& bsdf = BsdfOf(lane, hits, wo.Get(lane));
       if (const auto* diffuse = std::get_if<DiffuseBsdf>(&bsdf)) {
+        lambertian_[lane] = -1;
         reflectance_.Set(lane, diffuse->reflectance);
-      } else {
-        lambertian_[lane] = 0;
-        bsdf_[lane] = &bsdf;
-        wo_[lane] = frame_.Get(lane).ToLocal(wo.Get(lane));
-        if (Transmits(bsdf)) receiver_.one_sided[lane] = 0;
+        return;
       }
-      if (depth_[lane] == 0) DescribeFirstHit(lane, bsdf, wo.Get(lane));
+      bsdf_[lane] = &bsdf;
+      wo_[lane] = frame_.Get(lane).ToLocal(wo.Get(lane));
+      if (Transmits(bsdf)) receiver_.one_sided[lane] = 0;
     });
+    if (settings_.first_hit)
+      ForEachLane(mask & (depth_ == 0), [&](int lane) { DescribeFirstHit(lane, wo.Get(lane)); });
     wo_z_ = Dot(wo, frame_.z);
     receiver_.p = surface_.p;
     receiver_.n = Select(wo_z_ < 0, -frame_.z, frame_.z);
@@ -192,12 +197,13 @@ class PathLanes {
     return materials.Evaluate(id, point.uv, point.p, u_mix(), &varying_[lane]);
   }
 
-  void DescribeFirstHit(int lane, const Bsdf& bsdf, Vec3f wo) {
+  void DescribeFirstHit(int lane, Vec3f wo) {
     PathSample& sample = first_hit_[lane];
     sample.hit = true;
     sample.normal = frame_.z.Get(lane);
     sample.position = surface_.p.Get(lane);
-    if (settings_.features) sample.albedo = Albedo(bsdf, frame_.Get(lane).ToLocal(wo));
+    sample.albedo = lambertian_[lane] ? Albedo(DiffuseBsdf{reflectance_.Get(lane)}, {})
+                                      : Albedo(*bsdf_[lane], frame_.Get(lane).ToLocal(wo));
   }
 
   void StartGuides(MaskLanes mask) {

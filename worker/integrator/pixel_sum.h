@@ -28,14 +28,11 @@ class PixelSum {
     bool finite = IsFinite(value.color);
     for (int i = 0; i < layout_.plain; ++i) finite = finite && std::isfinite(value.plain[i]);
     const Rgb color = finite ? value.color : Rgb{};
-    const std::array<double, 3> x = {color.r, color.g, color.b};
+    const Channels x = {color.r, color.g, color.b, 0};
     ++in_replicate_;
-    const double n = static_cast<double>(in_replicate_);
-    for (size_t c = 0; c < 3; ++c) {
-      all_[c].Add(x[c]);
-      replicate_mean_[c] += (x[c] - replicate_mean_[c]) / n;
-    }
-    const double total = static_cast<double>(all_[0].count);
+    all_.Add(x);
+    replicate_mean_ += (x - replicate_mean_) / static_cast<double>(in_replicate_);
+    const double total = static_cast<double>(all_.count);
     for (int i = 0; i < layout_.plain; ++i)
       plain_mean_[i] += ((finite ? value.plain[i] : 0) - plain_mean_[i]) / total;
     return finite;
@@ -44,23 +41,25 @@ class PixelSum {
   /// Writes the mean of the samples since the last call to the pixel's doubles.
   void FinishReplicate(int replicate, double* values) {
     for (int c = 0; c < 3; ++c) values[layout_.Mean(replicate, c)] = replicate_mean_[c];
-    replicate_mean_ = {};
+    replicate_mean_ = Channels{};
     in_replicate_ = 0;
   }
 
   /// Writes all that concerns the replicates together.
   void Finish(double* values) const {
     for (int c = 0; c < 3; ++c) {
-      values[layout_.M2(c)] = all_[c].m2;
-      values[layout_.M3(c)] = all_[c].m3;
+      values[layout_.M2(c)] = all_.m2[c];
+      values[layout_.M3(c)] = all_.m3[c];
     }
     for (int i = 0; i < layout_.plain; ++i) values[layout_.Plain(i)] = plain_mean_[i];
   }
 
  private:
+  using Channels __attribute__((vector_size(32))) = double;  ///< Three, and a zero.
+
   PixelLayout layout_;
-  std::array<Moments, 3> all_;
-  std::array<double, 3> replicate_mean_{};
+  BasicMoments<Channels> all_;
+  Channels replicate_mean_ = {};
   uint64_t in_replicate_ = 0;
   std::array<double, PixelValue::kMaxPlain> plain_mean_{};
 };

@@ -10,7 +10,7 @@
 #include "common/kernel_revision.h"
 #include "common/status.h"
 #include "common/unit.h"
-#include "worker/light/light_options.h"
+#include "worker/scene/build_options.h"
 #include "worker/scene/file_source.h"
 
 namespace strata {
@@ -21,7 +21,7 @@ class Scene;
 /// Reads the bundle's scene from `source` and builds it.
 absl::StatusOr<std::shared_ptr<const Scene>> LoadScene(const FileSource& source,
                                                        const std::string& scene_path,
-                                                       const LightOptions& light_options = {},
+                                                       const BuildOptions& build_options = {},
                                                        const SceneOptions& scene_options = {});
 
 /// Threads that share the pixels of one unit at a time. Not thread-safe itself.
@@ -50,6 +50,9 @@ class Renderer {
   /// The same bits for any pool. CANCELLED soon after `*cancel` becomes true.
   absl::StatusOr<Partial> Render(const WorkUnit& unit, RenderPool& pool,
                                  const std::atomic<bool>* cancel = nullptr) const;
+
+  /// Pixels of the job whose rays surely meet nothing, so that none are traced.
+  int64_t BackgroundPixels() const;
 
   /// One path told vertex by vertex, for `strata replay`.
   std::string Replay(int x, int y, uint32_t replicate, uint32_t sample) const;

@@ -1,74 +1,22 @@
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "common/replay_command.h"
-#include "common/sync.h"
-#include "worker/integrator/path_lanes.h"
-#include "worker/integrator/pixel_sum.h"
+#include "worker/integrator/defect_list.h"
 #include "worker/integrator/render_pool.h"
 #include "worker/integrator/renderer_state.h"
 
 namespace strata {
-
-/// The first sample of a pixel that was NaN or infinite.
-struct Defect {
-  int64_t pixel = 0;  ///< Row-major in the unit.
-  uint32_t replicate = 0, sample = 0;
-};
-
-/// Defects of a unit, found by all threads.
-class DefectList {
- public:
-  void Add(const Defect& defect) {
-    MutexLock lock(mutex_);
-    defects_.push_back(defect);
-  }
-  /// In the order of pixels, whichever thread came first. For when all threads are done.
-  std::vector<Defect> Sorted() {
-    MutexLock lock(mutex_);
-    std::sort(defects_.begin(), defects_.end(),
-              [](const Defect& a, const Defect& b) { return a.pixel < b.pixel; });
-    return defects_;
-  }
-
- private:
-  Mutex mutex_;
-  std::vector<Defect> defects_ STRATA_GUARDED_BY(mutex_);
-};
-
 namespace {
 
 /// Pixels that a thread takes at a time.
 constexpr int64_t kBlockPixels = 16;
-/// Samples that are kept until those before them, which may end later, are added.
-constexpr size_t kHeldSamples = 4096;
 /// Non-finite samples of a unit that are named.
 constexpr size_t kMaxReplays = 4;
-
-/// `time` is that of the camera ray.
-PixelValue ValueOf(const Renderer::State& job, const PathSample& sample, float weight, float time) {
-  PixelValue value;
-  value.color = sample.radiance * weight;
-  if (job.layout.plain == 0) return value;
-  const ExtraChannels& channels = job.spec.channels;
-  int n = 0;
-  const auto add = [&](float x) { value.plain[n++] = weight * x; };
-  if (channels.alpha) add(sample.hit ? 1 : 0);
-  if (channels.albedo) {
-    add(sample.albedo.r);
-    add(sample.albedo.g);
-    add(sample.albedo.b);
-  }
-  if (channels.normal) {
-    add(sample.normal.x);
-    add(sample.normal.y);
-    add(sample.normal.z);
-  }
-  if (channels.depth) add(sample.hit ? job.camera.Depth(sample.position, time) : 0);
-  return value;
-}
 
 Partial EmptyPartial(const WorkUnit& unit, const PixelLayout& layout) {
   const size_t pixels = static_cast<size_t>(unit.pixels.Pixels());
@@ -100,164 +48,24 @@ absl::Status CheckUnit(const WorkUnit& unit, const JobSpec& spec) {
   return absl::OkStatus();
 }
 
-/// Goes through the samples of pixels [pixel, end) of a unit: one pixel after the other, in each
-/// one replicate after the other.
-class SampleCursor {
- public:
-  SampleCursor(const WorkUnit& unit, int64_t pixel, int64_t end)
-      : unit_(unit), pixel_(pixel), end_(end) {
-    StartPixel();
-  }
-
-  bool AtEnd() const { return pixel_ == end_; }
-  int64_t pixel() const { return pixel_; }  ///< Row-major in the unit.
-  int x() const { return unit_.pixels.x0 + static_cast<int>(pixel_ % unit_.pixels.Width()); }
-  int y() const { return unit_.pixels.y0 + static_cast<int>(pixel_ / unit_.pixels.Width()); }
-  uint32_t replicate() const { return replicate_; }
-  uint32_t index() const { return index_; }
-  bool FirstOfReplicate() const { return index_ == range_.begin; }
-  bool LastOfReplicate() const { return index_ + 1 == range_.end; }
-  bool LastOfPixel() const { return LastOfReplicate() && replicate_ + 1 == kReplicates; }
-
-  void Advance() {
-    if (++index_ < range_.end) return;
-    index_ = range_.begin;
-    if (++replicate_ < kReplicates) return;
-    ++pixel_;
-    StartPixel();
-  }
-
- private:
-  void StartPixel() {
-    while (pixel_ < end_ && unit_.RangeOf(pixel_).Count() == 0) ++pixel_;
-    if (AtEnd()) return;
-    range_ = unit_.RangeOf(pixel_);
-    replicate_ = 0;
-    index_ = range_.begin;
-  }
-
-  const WorkUnit& unit_;
-  int64_t pixel_, end_;
-  SampleRange range_;
-  uint32_t replicate_ = 0, index_ = 0;
-};
-
-/// A sample that has been traced and not yet added to its pixel.
-struct HeldSample {
-  PixelValue value;
-  uint32_t rays = 0;
-};
-
-/// A cursor that keeps the sampler of the replicate it stands in.
-template <typename Sampler>
-class TracedSamples {
- public:
-  TracedSamples(const Renderer::State& job, const SampleCursor& start)
-      : job_(job), cursor_(start), sampler_(SampleKey{}) {}
-
-  bool AtEnd() const { return cursor_.AtEnd(); }
-  /// Goes to the next sample, which is now the current one. Not at the end.
-  void Next() {
-    x_ = cursor_.x();
-    y_ = cursor_.y();
-    index_ = cursor_.index();
-    if (cursor_.FirstOfReplicate()) sampler_ = Sampler(job_.Key(x_, y_, cursor_.replicate()));
-    cursor_.Advance();
-  }
-  int x() const { return x_; }
-  int y() const { return y_; }
-  uint32_t index() const { return index_; }
-  Sampler& sampler() { return sampler_; }
-
- private:
-  const Renderer::State& job_;
-  SampleCursor cursor_;
-  Sampler sampler_;
-  int x_ = 0, y_ = 0;
-  uint32_t index_ = 0;
-};
-
-/// Writes the next samples to `held`, at most kHeldSamples.
-template <typename Sampler>
-void TraceOneByOne(const Renderer::State& job, TracedSamples<Sampler>& samples,
-                   std::vector<HeldSample>& held) {
-  SilentObserver observer;
-  for (held.clear(); !samples.AtEnd() && held.size() < kHeldSamples;) {
-    samples.Next();
-    Sampler& sampler = samples.sampler();
-    sampler.StartSample(samples.index());
-    float weight = 1;
-    const Ray ray = job.CameraRay(samples.x(), samples.y(), sampler, &weight);
-    const PathSettings settings = job.SettingsAt(samples.x(), samples.y());
-    const PathSample sample = PathTracer(*job.scene, settings, sampler, observer).Trace(ray);
-    held.push_back({ValueOf(job, sample, weight, ray.time), sample.rays});
-  }
-}
-
-template <typename Sampler>
-void TraceSideBySide(const Renderer::State& job, TracedSamples<Sampler>& samples,
-                     std::vector<HeldSample>& held) {
-  held.clear();
-  std::array<size_t, kLanes> place;
-  Vec2Lanes pixel;
-  FloatLanes weights = {}, times = {};
-  const bool same_roulette = job.spec.roulette != RouletteKind::kEfficiency;
-  PathLanes<Sampler> lanes(*job.scene, job.SettingsAt(0, 0));
-  lanes.Trace(
-      [&](int lane, SamplerLanes<Sampler>& samplers) {
-        if (samples.AtEnd() || held.size() == kHeldSamples) return false;
-        samples.Next();
-        samplers.StartSample(lane, samples.sampler(), samples.index());
-        if (!same_roulette) lanes.SetSureSurvival(lane, job.roulette.At(samples.x(), samples.y()));
-        pixel.x[lane] = static_cast<float>(samples.x());
-        pixel.y[lane] = static_cast<float>(samples.y());
-        place[lane] = held.size();
-        held.emplace_back();
-        return true;
-      },
-      [&](auto get, MaskLanes mask) {
-        const RayLanes starting = job.CameraRays(pixel, get, mask, &weights);
-        times = mask ? starting.time : times;
-        return starting;
-      },
-      [&](int lane, const PathSample& sample) {
-        held[place[lane]] = {ValueOf(job, sample, weights[lane], times[lane]), sample.rays};
-      });
+/// The pixels of the frame whose camera rays may meet something.
+PixelRect PixelsThatMayHit(const Scene& scene, const Camera& camera, const JobSpec& spec) {
+  const PixelRect all = {0, 0, spec.width, spec.height};
+  const std::optional<Camera::FrameRect> rect = camera.RectOf(scene.geometry().bounds());
+  if (!rect) return all;
+  // A sample is taken within the filter's radius of the middle of its pixel; another pixel is for
+  // the rounding of rays.
+  const double reach_x = spec.filter.radius_x + 1, reach_y = spec.filter.radius_y + 1;
+  const auto in = [](double v, int end) {
+    return static_cast<int>(std::clamp(v, 0.0, static_cast<double>(end)));
+  };
+  return {in(std::floor(rect->x0 - 0.5 - reach_x), spec.width),
+          in(std::floor(rect->y0 - 0.5 - reach_y), spec.height),
+          in(std::ceil(rect->x1 + 0.5 + reach_x), spec.width),
+          in(std::ceil(rect->y1 + 0.5 + reach_y), spec.height)};
 }
 
 }  // namespace
-
-template <typename Sampler>
-void Renderer::State::RenderPixels(const WorkUnit& unit, int64_t begin, int64_t end,
-                                   Partial& partial, DefectList& defects) const {
-  SampleCursor cursor(unit, begin, end);
-  TracedSamples<Sampler> samples(*this, cursor);
-  const bool side_by_side =
-      spec.kernel == KernelKind::kFast && settings.direct == DirectStrategy::kMis;
-  std::vector<HeldSample> held;
-  held.reserve(kHeldSamples);
-  PixelSum sum(layout);
-  while (!cursor.AtEnd()) {
-    if (side_by_side)
-      TraceSideBySide(*this, samples, held);
-    else
-      TraceOneByOne(*this, samples, held);
-    for (const HeldSample& sample : held) {
-      const int64_t pixel = cursor.pixel();
-      double* sums = &partial.values[static_cast<size_t>(pixel) * layout.Doubles()];
-      partial.rays[pixel] += sample.rays;
-      if (!sum.Add(sample.value) && partial.nonfinite[pixel]++ == 0)
-        defects.Add({pixel, cursor.replicate(), cursor.index()});
-      if (cursor.LastOfReplicate()) sum.FinishReplicate(static_cast<int>(cursor.replicate()), sums);
-      if (cursor.LastOfPixel()) {
-        sum.Finish(sums);
-        sum = PixelSum(layout);
-        partial.samples[pixel] = unit.RangeOf(pixel).Count();
-      }
-      cursor.Advance();
-    }
-  }
-}
 
 absl::StatusOr<std::unique_ptr<Renderer>> Renderer::Create(std::shared_ptr<const Scene> scene,
                                                            const JobSpec& spec) {
@@ -266,21 +74,29 @@ absl::StatusOr<std::unique_ptr<Renderer>> Renderer::Create(std::shared_ptr<const
                           Camera::Create(scene->camera(), spec.width, spec.height));
   const bool moves = scene->geometry().moves() || camera.moves();
   auto state = std::make_unique<State>(State{
-      .scene = std::move(scene),
+      .scene = scene,
       .spec = spec,
       .layout = LayoutOf(spec),
       .camera = camera,
       .filter = FilterSampler(spec.filter),
       .settings = {.max_depth = spec.max_depth,
                    .direct = spec.strategy,
-                   .features = spec.channels.albedo},
+                   .first_hit = LayoutOf(spec).plain > 0},
       .roulette =
           RouletteMap(spec.width, spec.height,
                       spec.roulette == RouletteKind::kOff ? 0 : PathSettings().sure_survival),
       .moves = moves,
+      .may_hit = PixelsThatMayHit(*scene, camera, spec),
   });
   if (spec.roulette == RouletteKind::kEfficiency) state->roulette = MeasureRoulette(*state);
   return std::unique_ptr<Renderer>(new Renderer(std::move(state)));
+}
+
+int64_t Renderer::BackgroundPixels() const {
+  const PixelRect &crop = state_->spec.crop, &may_hit = state_->may_hit;
+  const int width = std::min(crop.x1, may_hit.x1) - std::max(crop.x0, may_hit.x0);
+  const int height = std::min(crop.y1, may_hit.y1) - std::max(crop.y0, may_hit.y0);
+  return crop.Pixels() - int64_t{std::max(width, 0)} * std::max(height, 0);
 }
 
 Renderer::Renderer(std::unique_ptr<State> state) : state_(std::move(state)) {}

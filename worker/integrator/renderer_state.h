@@ -35,6 +35,11 @@ struct Renderer::State {
   PathSettings settings;
   RouletteMap roulette;
   bool moves = false;  ///< Something does: samples have times of their own.
+  PixelRect may_hit;   ///< Camera rays of other pixels meet nothing.
+
+  bool SeesBackgroundOnly(int x, int y) const {
+    return x < may_hit.x0 || x >= may_hit.x1 || y < may_hit.y0 || y >= may_hit.y1;
+  }
 
   SampleKey Key(int x, int y, uint32_t replicate) const {
     return {.seed = spec.seed,
@@ -88,7 +93,8 @@ struct Renderer::State {
     return rays;
   }
 
-  /// All samples of pixels [begin, end) of the unit, written to their places in `partial`.
+  /// All samples of pixels [begin, end) of the unit, written to their places in `partial`. Where a
+  /// pixel sees the background only, there is no path to trace.
   template <typename Sampler>
   void RenderPixels(const WorkUnit& unit, int64_t begin, int64_t end, Partial& partial,
                     DefectList& defects) const;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <type_traits>
+#include <array>
 #include <vector>
 
 #include "worker/geometry/geometry_lanes.h"
@@ -43,25 +43,36 @@ class FlatLights {
   /// sampled by solid angle; returns them.
   MaskLanes Sample(IntLanes light, Vec3Lanes from, Vec2Lanes u, MaskLanes mask,
                    LightSampleLanes* sample) const {
-    const RowLanes row = {rows_.data(), light * static_cast<int32_t>(sizeof(Row) / sizeof(float)),
-                          mask};
-    const MaskLanes done = mask & (row.Get(&Row::flat) > 0) &
-                           ~(LengthSquared(row.Get(&Row::center) - from) < row.Get(&Row::near2));
+    const auto row = [&](const Quad Row::*member) {
+      const float* base = (rows_.front().*member).data();
+      if (rows_.size() == 1) {
+        return RowLanes{SameFloat(base[0]), SameFloat(base[1]), SameFloat(base[2]),
+                        SameFloat(base[3])};
+      }
+      return GatherRows(base, light * static_cast<int32_t>(sizeof(Row) / sizeof(float)), mask);
+    };
+    const auto vector = [](const RowLanes& v) { return Vec3Lanes{v.v[0], v.v[1], v.v[2]}; };
+    const RowLanes center_near2 = row(&Row::center_near2), corner_flat = row(&Row::corner_flat);
+    const MaskLanes done = mask & (corner_flat.v[3] > 0) &
+                           ~(LengthSquared(vector(center_near2) - from) < center_near2.v[3]);
     if (!Any(done)) return done;
+    const RowLanes edge1_triangle = row(&Row::edge1_triangle), edge2_pdf = row(&Row::edge2_pdf),
+                   ng_two_sided = row(&Row::ng_two_sided), error = row(&Row::error),
+                   color = row(&Row::radiance);
     const Vec2Lanes corner_weights = SampleTriangle(u);
-    const MaskLanes triangle = row.Get(&Row::triangle) > 0;
+    const MaskLanes triangle = edge1_triangle.v[3] > 0;
     u = {triangle ? corner_weights.x : u.x, triangle ? corner_weights.y : u.y};
     const Vec3Lanes p =
-        row.Get(&Row::p0) + (row.Get(&Row::edge1) * u.x + row.Get(&Row::edge2) * u.y);
-    const Vec3Lanes ng = row.Get(&Row::ng);
+        vector(corner_flat) + (vector(edge1_triangle) * u.x + vector(edge2_pdf) * u.y);
+    const Vec3Lanes ng = vector(ng_two_sided);
     const Vec3Lanes to_light = p - from;
     const FloatLanes distance2 = LengthSquared(to_light);
     const Vec3Lanes wi = to_light * (1 / Sqrt(distance2));
     const FloatLanes cosine = Dot(ng, wi);
-    const MaskLanes shines = (row.Get(&Row::two_sided) > 0) | (cosine < 0);
-    const RgbLanes radiance = row.Get(&Row::radiance);
-    const FloatLanes pdf = row.Get(&Row::pdf_area) * distance2 / Abs(cosine);
-    const FloatLanes offset = Dot(Abs(ng), row.Get(&Row::p_error));
+    const MaskLanes shines = (ng_two_sided.v[3] > 0) | (cosine < 0);
+    const RgbLanes radiance = {color.v[0], color.v[1], color.v[2]};
+    const FloatLanes pdf = edge2_pdf.v[3] * distance2 / Abs(cosine);
+    const FloatLanes offset = Dot(Abs(ng), vector(error));
     sample->wi = Select(done, wi, sample->wi);
     sample->radiance = Select(done, radiance, sample->radiance);
     sample->pdf = done ? pdf : sample->pdf;
@@ -72,59 +83,32 @@ class FlatLights {
   }
 
  private:
+  using Quad = std::array<float, 4>;
+  /// A vector and what else is asked of the light, in fours for GatherRows.
   struct Row {
-    Vec3f p0, edge1, edge2, ng, p_error;
-    Vec3f center;  ///< With near2: see QuadLight.
-    float near2 = 0;
-    Rgb radiance;
-    float pdf_area = 0;
-    float two_sided = 0, flat = 0, triangle = 0;  ///< 1 or 0.
-  };
-  static_assert(std::is_standard_layout_v<Row> && sizeof(Row) % sizeof(float) == 0);
-
-  /// A member of the rows of eight lights.
-  struct RowLanes {
-    const Row* rows;
-    IntLanes first;  ///< Of each row, in floats.
-    MaskLanes mask;
-
-    FloatLanes Get(float Row::*member) const { return Gather(&(rows->*member), first, mask); }
-    Vec3Lanes Get(Vec3f Row::*member) const {
-      const float* x = &(rows->*member).x;
-      return {Gather(x, first, mask), Gather(x + 1, first, mask), Gather(x + 2, first, mask)};
-    }
-    RgbLanes Get(Rgb Row::*member) const {
-      const float* r = &(rows->*member).r;
-      return {Gather(r, first, mask), Gather(r + 1, first, mask), Gather(r + 2, first, mask)};
-    }
+    Quad center_near2 = {};    ///< See QuadLight.
+    Quad corner_flat = {};     ///< 1 if it is one of those that are sampled here.
+    Quad edge1_triangle = {};  ///< 1 if it is a triangle.
+    Quad edge2_pdf = {};       ///< pdf_area.
+    Quad ng_two_sided = {};    ///< 1 if it shines to both sides.
+    Quad error = {}, radiance = {};
   };
 
+  static Quad With(Vec3f v, float last = 0) { return {v.x, v.y, v.z, last}; }
   static Row RowOf(const Light& light) {
-    Row row;
-    if (const auto* t = std::get_if<TriangleLight>(&light)) {
-      row = {.p0 = t->p0,
-             .edge1 = t->edge1,
-             .edge2 = t->edge2,
-             .ng = t->ng,
-             .p_error = t->p_error,
-             .radiance = t->radiance,
-             .pdf_area = t->pdf_area,
-             .two_sided = t->two_sided ? 1.0f : 0.0f,
-             .flat = 1,
-             .triangle = 1};
-    } else if (const auto* q = std::get_if<QuadLight>(&light)) {
-      row = {.p0 = q->corner,
-             .edge1 = q->edge1,
-             .edge2 = q->edge2,
-             .ng = q->ng,
-             .p_error = q->p_error,
-             .center = q->corner + (q->edge1 + q->edge2) * 0.5f,
-             .near2 = q->near2,
-             .radiance = q->radiance,
-             .pdf_area = q->pdf_area,
-             .two_sided = q->two_sided ? 1.0f : 0.0f,
-             .flat = 1};
-    }
+    const auto row_of = [](const auto& l, Vec3f corner, bool triangle) {
+      return Row{.corner_flat = With(corner, 1),
+                 .edge1_triangle = With(l.edge1, triangle ? 1.0f : 0.0f),
+                 .edge2_pdf = With(l.edge2, l.pdf_area),
+                 .ng_two_sided = With(l.ng, l.two_sided ? 1.0f : 0.0f),
+                 .error = With(l.p_error),
+                 .radiance = {l.radiance.r, l.radiance.g, l.radiance.b, 0}};
+    };
+    if (const auto* t = std::get_if<TriangleLight>(&light)) return row_of(*t, t->p0, true);
+    const auto* q = std::get_if<QuadLight>(&light);
+    if (!q) return {};
+    Row row = row_of(*q, q->corner, false);
+    row.center_near2 = With(q->corner + (q->edge1 + q->edge2) * 0.5f, q->near2);
     return row;
   }
 

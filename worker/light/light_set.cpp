@@ -36,7 +36,7 @@ double SceneRadius(const Geometry& geometry) {
 
 absl::StatusOr<LightSet> LightSet::Build(const SceneDescription& scene, const Geometry& geometry,
                                          const TextureSet& textures, const FileSource& source,
-                                         const LightOptions& options) {
+                                         const BuildOptions& options) {
   LightSet set;
   SurfaceLights surfaces = MakeSurfaceLights(geometry, textures, options);
   set.light_of_surface_ = std::move(surfaces.light_of_surface);

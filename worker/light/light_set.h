@@ -26,7 +26,7 @@ class LightSet {
   /// place in the scene file.
   static absl::StatusOr<LightSet> Build(const SceneDescription& scene, const Geometry& geometry,
                                         const TextureSet& textures, const FileSource& source,
-                                        const LightOptions& options = {});
+                                        const BuildOptions& options = {});
 
   /// Whether there is no light to choose. Lights with an alpha mask are never chosen: rays that
   /// meet what is there of them find their light.

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "worker/light/light_group.h"
-#include "worker/light/light_options.h"
+#include "worker/scene/build_options.h"
 
 namespace strata {
 

@@ -168,7 +168,7 @@ std::variant<FlatUv, CurvedUv> UvOf(const Emitter& emitter, const Geometry& geom
 }  // namespace
 
 SurfaceLights MakeSurfaceLights(const Geometry& geometry, const TextureSet& textures,
-                                const LightOptions& options) {
+                                const BuildOptions& options) {
   SurfaceLights result;
   const std::vector<Emitter>& emitters = geometry.emitters();
   for (size_t i = 0; i < emitters.size(); ++i) {

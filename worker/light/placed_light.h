@@ -8,7 +8,7 @@
 #include "worker/geometry/geometry.h"
 #include "worker/light/light.h"
 #include "worker/light/light_bounds.h"
-#include "worker/light/light_options.h"
+#include "worker/scene/build_options.h"
 
 namespace strata {
 
@@ -30,7 +30,7 @@ struct SurfaceLights {
 
 /// `geometry` and `textures` must outlive the lights.
 SurfaceLights MakeSurfaceLights(const Geometry& geometry, const TextureSet& textures,
-                                const LightOptions& options);
+                                const BuildOptions& options);
 PlacedLight MakePointLight(const PointLightDescription& description);
 PlacedLight MakeSpotLight(const SpotLightDescription& description);
 /// `projection` and `diagram` must outlive the light.

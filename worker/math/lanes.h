@@ -40,15 +40,25 @@ inline FloatLanes Abs(FloatLanes v) {
 }
 inline IntLanes ToInt(FloatLanes v) { return reinterpret_cast<IntLanes>(_mm256_cvttps_epi32(v)); }
 inline FloatLanes ToFloat(IntLanes v) { return __builtin_convertvector(v, FloatLanes); }
-/// base[index] in each lane of `mask`, 0 in the others.
-inline FloatLanes Gather(const float* base, IntLanes index, MaskLanes mask) {
-  return _mm256_mask_i32gather_ps(FloatLanes{}, base, reinterpret_cast<__m256i>(index),
-                                  reinterpret_cast<__m256>(mask), sizeof(float));
-}
-inline IntLanes Gather(const int32_t* base, IntLanes index, MaskLanes mask) {
-  return reinterpret_cast<IntLanes>(
-      _mm256_mask_i32gather_epi32(__m256i{}, base, reinterpret_cast<__m256i>(index),
-                                  reinterpret_cast<__m256i>(mask), sizeof(int32_t)));
+/// Four floats of each lane's own.
+struct RowLanes {
+  FloatLanes v[4];
+};
+/// base[index] to base[index + 3] of each lane in `mask`; the others read from `base` itself. Eight
+/// loads and a transposition: on processors whose gathers go element by element this takes a third
+/// of the time of four of them.
+inline RowLanes GatherRows(const float* base, IntLanes index, MaskLanes mask) {
+  alignas(32) int32_t at[kLanes];
+  _mm256_store_si256(reinterpret_cast<__m256i*>(at), reinterpret_cast<__m256i>(index & mask));
+  const auto pair = [&](int lane) {
+    return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(base + at[lane])),
+                                _mm_loadu_ps(base + at[lane + 4]), 1);
+  };
+  const __m256 a = pair(0), b = pair(1), c = pair(2), d = pair(3);
+  const __m256 ab_low = _mm256_unpacklo_ps(a, b), ab_high = _mm256_unpackhi_ps(a, b);
+  const __m256 cd_low = _mm256_unpacklo_ps(c, d), cd_high = _mm256_unpackhi_ps(c, d);
+  return {{_mm256_shuffle_ps(ab_low, cd_low, 0x44), _mm256_shuffle_ps(ab_low, cd_low, 0xee),
+           _mm256_shuffle_ps(ab_high, cd_high, 0x44), _mm256_shuffle_ps(ab_high, cd_high, 0xee)}};
 }
 
 struct Vec2Lanes {

@@ -10,12 +10,12 @@ namespace strata {
 
 absl::StatusOr<std::shared_ptr<const Scene>> Scene::Build(SceneDescription description,
                                                           const FileSource& source,
-                                                          const LightOptions& options) {
+                                                          const BuildOptions& options) {
   std::shared_ptr<Scene> scene(new Scene());
   scene->origin_ = Recentre(description);
   scene->camera_ = description.camera;
   scene->defaults_ = description.defaults;
-  STRATA_ASSIGN_OR_RETURN(scene->geometry_, Geometry::Build(description));
+  STRATA_ASSIGN_OR_RETURN(scene->geometry_, Geometry::Build(description, options));
   // The meshes live in the geometry now; images may need the room.
   description.shapes.clear();
   description.objects.clear();
@@ -35,10 +35,10 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Build(SceneDescription descr
 
 absl::StatusOr<std::shared_ptr<const Scene>> LoadScene(const FileSource& source,
                                                        const std::string& scene_path,
-                                                       const LightOptions& light_options,
+                                                       const BuildOptions& build_options,
                                                        const SceneOptions& scene_options) {
   STRATA_ASSIGN_OR_RETURN(SceneFile file, ReadSceneFile(source, scene_path, scene_options));
-  return Scene::Build(std::move(file.scene), source, light_options);
+  return Scene::Build(std::move(file.scene), source, build_options);
 }
 
 }  // namespace strata

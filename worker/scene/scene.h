@@ -20,7 +20,7 @@ class Scene {
   /// Errors name the place in the scene file. Takes what it needs out of `description`.
   static absl::StatusOr<std::shared_ptr<const Scene>> Build(SceneDescription description,
                                                             const FileSource& source,
-                                                            const LightOptions& options = {});
+                                                            const BuildOptions& options = {});
 
   const Geometry& geometry() const { return *geometry_; }
   const MaterialSet& materials() const { return *materials_; }

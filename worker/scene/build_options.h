@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstdint>
+
+namespace strata {
+
+/// How one light of many is chosen. All but the tree are there to be compared with.
+enum class LightSelection : uint8_t {
+  kTree,       ///< By what each may bring to the point.
+  kIntensity,  ///< By its intensity alone.
+  kUniform     ///< All alike.
+};
+
+/// What benches turn off to show its worth.
+struct BuildOptions {
+  LightSelection selection = LightSelection::kTree;
+  bool quads = true;          ///< Two triangles that make a parallelogram are one light.
+  bool solid_angle = true;    ///< Near rectangles are sampled by solid angle.
+  bool compensate = true;     ///< Environment images are sampled where they are above their mean.
+  bool mirrors = true;        ///< Paths are guided to images of lamps in metal rectangles.
+  bool few_triangles = true;  ///< The fast kernel traces small scenes without a hierarchy.
+};
+
+}  // namespace strata
