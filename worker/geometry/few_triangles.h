@@ -13,7 +13,7 @@ namespace strata {
 /// intersection", 1997), as Embree has it, so that the error bounds of PointOnTriangle hold.
 class FewTriangles {
  public:
-  /// Where bench_raw_embree finds Embree's packets and this equally fast in a closed room.
+  /// In a room of boxes both are equally fast at about 140 triangles (docs/performance.md).
   static constexpr size_t kMost = 96;
 
   FewTriangles() = default;

@@ -104,6 +104,9 @@ class PathLanes {
     going &= ~last;
     if (!Any(going)) return alive;
     StartGuides(going);
+    // The choice of a light takes half of it, roulette the other.
+    select_drawn_ = scene_.lights().SelectNeedsLowBits();
+    if (select_drawn_) u_select_ = Get2D(kPairSelect, going);
     AddDirectLight(going);
     going = Scatter(going);
     going = SurviveRoulette(going);
@@ -232,9 +235,9 @@ class PathLanes {
     IntLanes light = {};
     FloatLanes probability = SameFloat(1);
     if (lights.SelectNeedsLowBits()) {
-      const FloatLanes u_low = Get2D(kPairSelect, mask).x;
       ForEachLane(mask, [&](int lane) {
-        const LightSet::Choice choice = lights.Select(receiver_.Get(lane), u.x[lane], u_low[lane]);
+        const LightSet::Choice choice =
+            lights.Select(receiver_.Get(lane), u.x[lane], u_select_.x[lane]);
         light[lane] = static_cast<int32_t>(choice.light);
         probability[lane] = choice.probability;
         u.x[lane] = choice.u;
@@ -317,7 +320,8 @@ class PathLanes {
     const MaskLanes plays = mask & (depth_ >= 1) & (throughput < sure_survival_);
     if (!Any(plays)) return mask;
     const FloatLanes survival = SurvivalProbability(throughput, sure_survival_);
-    const MaskLanes survives = Get2D(kPairSelect, plays).y < survival;
+    if (!select_drawn_) u_select_ = Get2D(kPairSelect, plays);
+    const MaskLanes survives = u_select_.y < survival;
     beta_ = Select(plays, beta_ * (1 / survival), beta_);
     return mask & (~plays | survives);
   }
@@ -354,7 +358,9 @@ class PathLanes {
   std::array<const Bsdf*, kLanes> bsdf_ = {};
   std::array<Vec3f, kLanes> wo_;          ///< Local; not of Lambertian lanes.
   std::array<BsdfRoom, kLanes> varying_;  ///< For BSDFs that are not the same over the surface.
-  MaskLanes guided_ = {};                 ///< Directions may come from guides_.
+  Vec2Lanes u_select_;
+  bool select_drawn_ = false;  ///< u_select_ is set for all lanes that go on.
+  MaskLanes guided_ = {};      ///< Directions may come from guides_.
   std::array<MirrorGuide, kLanes> guides_;
 };
 
