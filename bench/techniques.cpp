@@ -63,6 +63,7 @@ const Table& SceneTechniques() {
       {"quads as two triangles", {.quads = false}},
       {"environment by luminance", {.compensate = false}},
       {"no guide to mirrored lamps", {.mirrors = false}},
+      {"one kernel for all scenes", {.least_kernel = false}},
       {"small scenes by a hierarchy", {.few_triangles = false}},
   };
   return techniques;

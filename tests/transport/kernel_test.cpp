@@ -122,6 +122,46 @@ TEST(KernelTest, NearlyEverySampleIsTheSameWithAnyRoulette) {
   }
 }
 
+/// A room of flat walls; with a ball of metal and a second lamp it needs more of the kernel.
+TestScene Room(bool plain) {
+  TestScene scene;
+  const MaterialId wall = scene.Diffuse({0.7f, 0.5f, 0.3f}), black = scene.Diffuse(0.0f);
+  scene.Polygon({{-2, 0, -2}, {-2, 0, 2}, {2, 0, 2}, {2, 0, -2}}, wall);
+  scene.Polygon({{-2, 0, 2}, {-2, 3, 2}, {2, 3, 2}, {2, 0, 2}}, wall);
+  scene.Polygon({{-0.5f, 2.9f, 0}, {0.5f, 2.9f, 0}, {0.5f, 2.9f, 1}, {-0.5f, 2.9f, 1}}, black,
+                Emits(6, true));
+  scene.Camera({0, 1.5f, -4}, {0, 1, 0}, 50);
+  if (plain) return scene;
+  scene.Sphere({0.5f, 0.5f, 0.5f}, 0.5f,
+               scene.Material(ConductorMaterial{.reflectance = scene.Texture(Rgb::Gray(0.7f))}));
+  scene.Polygon({{-2, 1, 0}, {-2, 2, 0}, {-2, 2, 1}, {-2, 1, 1}}, black, Emits(2, true));
+  return scene;
+}
+
+TEST(KernelTest, TheSmallestKernelGivesTheBitsOfAnyOther) {
+  const JobSpec spec = TestSpec(32, 16, 8);
+  const DirectorySource source(".");
+  uint32_t last = kAllFeatures + 1;
+  for (const TestScene& scene : {OneOfEach(), Room(false), Room(true)}) {
+    const auto least = BuildScene(scene);
+    EXPECT_LT(least->features(), last);
+    last = least->features();
+    const auto any = BuildScene(scene, source, {.least_kernel = false});
+    EXPECT_EQ(any->features(), kAllFeatures);
+    EXPECT_EQ(RenderFrame(least, spec).values, RenderFrame(any, spec).values);
+  }
+  EXPECT_EQ(last, kNoFeatures);
+}
+
+TEST(KernelTest, SmallScenesAgreeWithTheirHierarchy) {
+  const TestScene room = Room(true);
+  const JobSpec spec = TestSpec(48, 64, 8);
+  EXPECT_GE(AgreeingShare(BuildScene(room), spec, 1e-5), 0.999);
+  EXPECT_GE(
+      AgreeingShare(BuildScene(room, DirectorySource("."), {.few_triangles = false}), spec, 1e-5),
+      0.999);
+}
+
 TEST(KernelTest, LampsMayBeTextured) {
   TestScene scene = OneOfEach();
   scene.description.textures.push_back(

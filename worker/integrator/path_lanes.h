@@ -15,7 +15,9 @@ namespace strata {
 /// lane begins the next. What most vertices have in common (rays, triangles, Lambert's reflection,
 /// flat lights, random numbers) is done for all lanes at once, the rest lane by lane with the code
 /// of PathTracer, of which this is another form: the same estimator from the same random numbers.
-template <typename Sampler>
+///
+/// kHas are Features: a superset of the scene's.
+template <typename Sampler, uint32_t kHas>
 class PathLanes {
  public:
   PathLanes(const Scene& scene, const PathSettings& settings)
@@ -63,8 +65,26 @@ class PathLanes {
     depth_ = starting ? IntLanes{} : depth_;
     rays_ = starting ? IntLanes{} : rays_;
     if (settings_.first_hit) ForEachLane(starting, [&](int lane) { first_hit_[lane] = {}; });
-    if (scene_.geometry().has_alpha())
-      SetRayIds(&ray_, sampler_.Get2D(SameInt(kPairFilm), starting), false, starting);
+    if (HasAlpha()) SetRayIds(&ray_, sampler_.Get2D(SameInt(kPairFilm), starting), false, starting);
+  }
+
+  // What the scene may need of this kernel, and whether it does.
+  bool HasAlpha() const { return (kHas & kAlphaMasks) && scene_.geometry().has_alpha(); }
+  bool HasEnvironments() const {
+    return (kHas & kEnvironments) && !scene_.lights().environments().empty();
+  }
+  bool HasMirrorImages() const { return (kHas & kMirrorImages) && !scene_.mirror_images().empty(); }
+  bool ChoosesLights() const {
+    return (kHas & kManyLights) && scene_.lights().SelectNeedsLowBits();
+  }
+  /// The lanes in `mask` whose surfaces are not Lambertian.
+  MaskLanes OtherMaterials(MaskLanes mask) const {
+    if constexpr ((kHas & kOtherMaterials) == 0) return MaskLanes{};
+    return mask & ~lambertian_;
+  }
+  MaskLanes Guided(MaskLanes mask) const {
+    if constexpr ((kHas & kMirrorImages) == 0) return MaskLanes{};
+    return mask & guided_;
   }
 
   static void SetRayIds(RayLanes* rays, Vec2Lanes u, bool shadow, MaskLanes mask) {
@@ -92,8 +112,7 @@ class PathLanes {
     HitLanes hits;
     rays_ -= alive;  // Masks are -1.
     const MaskLanes found = Intersect(scene_.geometry(), ray_, alive, &hits);
-    if (!scene_.lights().environments().empty())
-      ForEachLane(alive & ~found, [&](int lane) { AddEnvironment(lane); });
+    if (HasEnvironments()) ForEachLane(alive & ~found, [&](int lane) { AddEnvironment(lane); });
     if (!Any(found)) return alive;
     surface_ = Surfaces(scene_.geometry(), ray_, hits, found);
     ForEachLane(found & (surface_.light >= 0), [&](int lane) { AddEmission(lane, hits); });
@@ -105,7 +124,7 @@ class PathLanes {
     if (!Any(going)) return alive;
     StartGuides(going);
     // The choice of a light takes half of it, roulette the other.
-    select_drawn_ = scene_.lights().SelectNeedsLowBits();
+    select_drawn_ = ChoosesLights();
     if (select_drawn_) u_select_ = Get2D(kPairSelect, going);
     AddDirectLight(going);
     going = Scatter(going);
@@ -157,7 +176,7 @@ class PathLanes {
     reflectance_ = {row.v[0], row.v[1], row.v[2]};
     lambertian_ = mask & (row.v[3] > 0);
     receiver_.one_sided = mask;
-    ForEachLane(mask & ~lambertian_, [&](int lane) {
+    ForEachLane(OtherMaterials(mask), [&](int lane) {
       const Bsdf& bsdf = BsdfOf(lane, hits, wo.Get(lane));
       if (const auto* diffuse = std::get_if<DiffuseBsdf>(&bsdf)) {
         lambertian_[lane] = -1;
@@ -210,8 +229,8 @@ class PathLanes {
   }
 
   void StartGuides(MaskLanes mask) {
+    if (!HasMirrorImages()) return;
     const MirrorImages& images = scene_.mirror_images();
-    if (images.empty()) return;
     guided_ = MaskLanes{};
     ForEachLane(mask & (depth_ + 1 < settings_.max_depth), [&](int lane) {
       if (!lambertian_[lane] && !IsWorthGuiding(*bsdf_[lane])) return;
@@ -225,16 +244,16 @@ class PathLanes {
   void AddDirectLight(MaskLanes mask) {
     const LightSet& lights = scene_.lights();
     if (lights.empty()) return;
-    ForEachLane(mask & ~lambertian_, [&](int lane) {
+    ForEachLane(OtherMaterials(mask), [&](int lane) {
       if (IsDelta(*bsdf_[lane])) mask[lane] = 0;
     });
     if (!Any(mask)) return;
     Vec2Lanes u = Get2D(kPairLight, mask);
     RayLanes shadow;
-    if (scene_.geometry().has_alpha()) SetRayIds(&shadow, u, true, mask);
+    if (HasAlpha()) SetRayIds(&shadow, u, true, mask);
     IntLanes light = {};
     FloatLanes probability = SameFloat(1);
-    if (lights.SelectNeedsLowBits()) {
+    if (ChoosesLights()) {
       ForEachLane(mask, [&](int lane) {
         const LightSet::Choice choice =
             lights.Select(receiver_.Get(lane), u.x[lane], u_select_.x[lane]);
@@ -249,7 +268,7 @@ class PathLanes {
     mask &= sample.valid & SidesAgree(sample.wi, wi_z);
     FloatLanes bsdf_pdf = wo_z_ * wi_z > 0 ? kInvPi * Abs(wi_z) : FloatLanes{};
     RgbLanes f = reflectance_ * bsdf_pdf;
-    ForEachLane(mask & ~lambertian_, [&](int lane) {
+    ForEachLane(OtherMaterials(mask), [&](int lane) {
       const BsdfValue value =
           EvalPdf(*bsdf_[lane], wo_[lane], frame_.Get(lane).ToLocal(sample.wi.Get(lane)));
       f.Set(lane, value.f);
@@ -257,7 +276,7 @@ class PathLanes {
     });
     mask &= ~IsBlack(f);
     if (!Any(mask)) return;
-    ForEachLane(mask & guided_, [&](int lane) {
+    ForEachLane(Guided(mask), [&](int lane) {
       bsdf_pdf[lane] = guides_[lane].MixedPdf(bsdf_pdf[lane], sample.wi.Get(lane));
     });
     const FloatLanes light_pdf = sample.pdf * probability;
@@ -280,7 +299,7 @@ class PathLanes {
     specular_ = MaskLanes{};
     bsdf_pdf_ = Max(FloatLanes{}, wi.z) * kInvPi;
     wi.z = wo_z_ < 0 ? -wi.z : wi.z;
-    const MaskLanes others = mask & (~lambertian_ | guided_);
+    const MaskLanes others = OtherMaterials(mask) | Guided(mask);
     MaskLanes going = mask & (others | ((wo_z_ * wi.z > 0) & ~IsBlack(reflectance_)));
     if (Any(others)) {
       const FloatLanes u_lobe = Get2D(kPairLobe, others).x;
@@ -301,7 +320,7 @@ class PathLanes {
     beta_ = Select(going, beta_ * weight, beta_);
     ray_.direction = frame_.ToWorld(wi);
     ray_.origin = OffsetRayOrigins(surface_.p, surface_.offset, surface_.ng, ray_.direction);
-    if (scene_.geometry().has_alpha()) SetRayIds(&ray_, u, false, going);
+    if (HasAlpha()) SetRayIds(&ray_, u, false, going);
     previous_ = receiver_;
     return going & SidesAgree(ray_.direction, wi.z);
   }

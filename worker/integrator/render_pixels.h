@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <type_traits>
 #include <vector>
 
 #include "worker/integrator/defect_list.h"
@@ -135,15 +136,15 @@ void TraceOneByOne(const Renderer::State& job, TracedSamples<Sampler>& samples,
   }
 }
 
-template <typename Sampler>
-void TraceSideBySide(const Renderer::State& job, TracedSamples<Sampler>& samples,
-                     std::vector<HeldSample>& held) {
+template <typename Sampler, uint32_t kHas>
+void TraceWith(const Renderer::State& job, TracedSamples<Sampler>& samples,
+               std::vector<HeldSample>& held) {
   held.clear();
   std::array<size_t, kLanes> place;
   Vec2Lanes pixel;
   FloatLanes weights = {}, times = {};
   const bool same_roulette = job.spec.roulette != RouletteKind::kEfficiency;
-  PathLanes<Sampler> lanes(*job.scene, job.SettingsAt(0, 0));
+  PathLanes<Sampler, kHas> lanes(*job.scene, job.SettingsAt(0, 0));
   lanes.Trace(
       [&](int lane, SamplerLanes<Sampler>& samplers) {
         if (samples.AtEnd() || held.size() == kHeldSamples) return false;
@@ -164,6 +165,20 @@ void TraceSideBySide(const Renderer::State& job, TracedSamples<Sampler>& samples
       [&](int lane, const PathSample& sample) {
         held[place[lane]] = {ValueOf(job, sample, weights[lane], times[lane]), sample.rays};
       });
+}
+
+/// By the smallest kernel there is that covers the scene.
+template <typename Sampler>
+void TraceSideBySide(const Renderer::State& job, TracedSamples<Sampler>& samples,
+                     std::vector<HeldSample>& held) {
+  // What rooms have; other samplers than the default are not worth kernels of their own.
+  constexpr uint32_t kIndoors = kOtherMaterials | kManyLights;
+  const uint32_t needed = job.scene->features();
+  if constexpr (std::is_same_v<Sampler, SobolSampler>) {
+    if (needed == kNoFeatures) return TraceWith<Sampler, kNoFeatures>(job, samples, held);
+    if ((needed & ~kIndoors) == 0) return TraceWith<Sampler, kIndoors>(job, samples, held);
+  }
+  TraceWith<Sampler, kAllFeatures>(job, samples, held);
 }
 
 /// As the others, for pixels that see the background only.

@@ -18,6 +18,7 @@ struct BuildOptions {
   bool solid_angle = true;    ///< Near rectangles are sampled by solid angle.
   bool compensate = true;     ///< Environment images are sampled where they are above their mean.
   bool mirrors = true;        ///< Paths are guided to images of lamps in metal rectangles.
+  bool least_kernel = true;   ///< The fast kernel is compiled for what the scene needs.
   bool few_triangles = true;  ///< The fast kernel traces small scenes without a hierarchy.
 };
 

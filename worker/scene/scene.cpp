@@ -7,6 +7,21 @@
 #include "worker/scene/scene_file.h"
 
 namespace strata {
+namespace {
+
+uint32_t FeaturesOf(const Scene& scene) {
+  uint32_t features = kNoFeatures;
+  if (!scene.lights().environments().empty()) features |= kEnvironments;
+  if (scene.geometry().has_alpha()) features |= kAlphaMasks;
+  if (!scene.mirror_images().empty()) features |= kMirrorImages;
+  for (const MaterialSet::LambertRow& row : scene.materials().lambert_rows()) {
+    if (row[3] == 0) features |= kOtherMaterials;
+  }
+  if (scene.lights().SelectNeedsLowBits()) features |= kManyLights;
+  return features;
+}
+
+}  // namespace
 
 absl::StatusOr<std::shared_ptr<const Scene>> Scene::Build(SceneDescription description,
                                                           const FileSource& source,
@@ -30,6 +45,7 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Build(SceneDescription descr
   if (options.mirrors)
     scene->mirror_images_ =
         MirrorImages(*scene->geometry_, *scene->materials_, scene->lights_->lamps());
+  if (options.least_kernel) scene->features_ = FeaturesOf(*scene);
   return scene;
 }
 

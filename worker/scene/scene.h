@@ -9,6 +9,7 @@
 #include "worker/light/light_set.h"
 #include "worker/light/mirror_images.h"
 #include "worker/scene/description.h"
+#include "worker/scene/features.h"
 #include "worker/scene/file_source.h"
 
 namespace strata {
@@ -26,6 +27,8 @@ class Scene {
   const MaterialSet& materials() const { return *materials_; }
   const LightSet& lights() const { return *lights_; }
   const MirrorImages& mirror_images() const { return mirror_images_; }
+  /// Features that a kernel must have for this scene.
+  uint32_t features() const { return features_; }
   const CameraDescription& camera() const { return camera_; }
   /// Where the origin of all coordinates here lies in the file's world: see Recentre.
   Vec3d origin() const { return origin_; }
@@ -42,6 +45,7 @@ class Scene {
   std::unique_ptr<MaterialSet> materials_;
   std::unique_ptr<LightSet> lights_;
   MirrorImages mirror_images_;
+  uint32_t features_ = kAllFeatures;
 };
 
 }  // namespace strata
