@@ -41,9 +41,9 @@ SurfaceLanes PointsOnTriangles(const TriangleSet& set, const HitLanes& hits, Mas
   const IntLanes at = hits.primitive * 4;
   const IntLanes v0 = Gather(triangles, at, mask), v1 = Gather(triangles + 1, at, mask),
                  v2 = Gather(triangles + 2, at, mask), last = Gather(triangles + 3, at, mask);
-  const IntLanes shape_at = (last & 0x7fffffff) * 5;
+  const IntLanes shape_at = (last & 0x7fffffff) * 6;
   const MaskLanes flipped = last < 0;
-  static_assert(sizeof(TriangleSet::Shape) == 20);
+  static_assert(sizeof(TriangleSet::Shape) == 24);
   const int32_t* shapes = reinterpret_cast<const int32_t*>(set.shapes.data());
   SurfaceLanes surface;
   surface.material = Gather(shapes, shape_at, mask);
