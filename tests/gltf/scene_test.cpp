@@ -98,7 +98,7 @@ TEST(GltfCamera, OrthographicOnesShowTwiceTheirMagnifications) {
   GltfFile file;
   file.Append("cameras",
               {{"type", "orthographic"},
-               {"orthographic", {{"xmag", 6}, {"ymag", 3}, {"znear", 0.1}, {"zfar", 10}}}});
+               {"orthographic", {{"xmag", 2}, {"ymag", 1}, {"znear", 0.1}, {"zfar", 10}}}});
   file.AddNode({{"camera", 0}, {"translation", {0, 1, 5}}, {"scale", {7, 7, 7}}});
   const auto read = ReadNodes(file);
   ASSERT_TRUE(read.ok()) << read.status();
@@ -108,8 +108,8 @@ TEST(GltfCamera, OrthographicOnesShowTwiceTheirMagnifications) {
   EXPECT_FALSE(Warns(*read, "cameras", ""));
   const Camera camera = *Camera::Create(description, 1440, 720);
   const auto at = [&](float x, float y) { return ToDouble(camera.GenerateRay({x, y}, {}).origin); };
-  ExpectNear(at(0, 0), {-6, 4, 5});
-  ExpectNear(at(1440, 720), {6, -2, 5});
+  ExpectNear(at(0, 0), {-2, 2, 5});
+  ExpectNear(at(1440, 720), {2, 0, 5});
   ExpectNear(ToDouble(camera.GenerateRay({0, 0}, {}).direction), {0, 0, -1});
   EXPECT_FLOAT_EQ(camera.Depth({1, 1, 1}), 4);
 }
