@@ -248,7 +248,11 @@ TEST(Curves, RaysLeaveThem) {
         EXPECT_GT(hits, 3000);
         // Each ray is traced twice.
         const double likely = kind == CurveKind::kFlat ? hits * kMeetAnew : 0;
-        EXPECT_LE(again, 2 * (likely + kCritical * std::sqrt(likely)));
+        double most = 2 * (likely + kCritical * std::sqrt(likely));
+        // No closed form bounds what Embree's iteration for tubes errs by near silhouettes. What is
+        // asked is that the light it costs cannot be seen: a quarter of a step of 8 bits.
+        if (kind == CurveKind::kCylinder) most = hits / 1024.0;
+        EXPECT_LE(again, most);
       }
     }
   }

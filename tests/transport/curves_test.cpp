@@ -74,9 +74,9 @@ TEST(CurveTransport, AHairInEvenLightShowsItsReflectance) {
     Add(scene, Straight(kind, {-0.8f, -0.5f, 0}, {0.7f, 0.4f, 0}, 0.15f, 0.15f),
         scene.Diffuse(0.5f));
     for (const KernelKind kernel : {KernelKind::kFast, KernelKind::kReference}) {
-      JobSpec spec = TestSpec(16, 256, 3);
+      JobSpec spec = TestSpec(16, 512, 3);
       spec.channels.alpha = true;
-      const Partial partial = RenderBy(BuildScene(scene), spec, kernel, {0, 32});
+      const Partial partial = RenderBy(BuildScene(scene), spec, kernel, {0, 64});
       double difference = 0, covered_in_all = 0;
       for (int64_t pixel = 0; pixel < spec.crop.Pixels(); ++pixel) {
         const int64_t at = pixel * partial.layout.Doubles();
