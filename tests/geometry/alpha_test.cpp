@@ -154,6 +154,63 @@ TEST(AlphaMasks, LeaveBothSidesOfASphereTheirChance) {
               0.75, Spread(0.75, kCount));
 }
 
+/// A curve along x from -1 to 1 at z = 0, 0.8 wide, whose ribbon looks up.
+ShapeDescription Curve(CurveKind kind, AlphaMask alpha) {
+  CurveShape curve;
+  curve.kind = kind;
+  for (int i = 0; i < 4; ++i) {
+    curve.positions.push_back({-1 + 2 * static_cast<float>(i) / 3, 0, 0});
+    curve.radii.push_back(0.4f);
+    if (kind == CurveKind::kRibbon) curve.normals.push_back({0, 0, 1});
+  }
+  curve.segments = {0};
+  ShapeDescription shape = Shape(curve);
+  shape.alpha = alpha;
+  return shape;
+}
+constexpr CurveKind kCurveKinds[] = {CurveKind::kFlat, CurveKind::kCylinder, CurveKind::kRibbon};
+
+TEST(AlphaMasks, CutCurvesAlongAndAcross) {
+  for (const CurveKind kind : kCurveKinds) {
+    // Cells of half the length and half the width. A tube's two walls have equal cells here.
+    SceneDescription scene = WithCheckerboard();
+    std::get<CheckerboardTexture>(scene.textures[kCells]).mapping = {2, 2, 0, 0};
+    scene.objects.push_back(ObjectOf({Curve(kind, {kCells})}));
+    scene.shapes.push_back(Curve(kind, {kCells}));
+    for (const double y : {10.0, 20.0})
+      scene.instances.push_back(InstanceOf(0, Transform::Translate(0, y, 0)));
+    const MaskedScene masked(scene);
+    ASSERT_TRUE(masked.geometry->has_alpha());
+    for (const float place : {0.0f, 10.0f, 20.0f}) {
+      const auto share = [&](float x, float y) {
+        return HitShare(*masked.geometry, 8, [&](uint32_t id) { return Down(x, place + y, id); });
+      };
+      for (const float x : {-0.5f, 0.5f}) {
+        const double one = share(x, 0.2f), other = share(x, -0.2f);
+        EXPECT_EQ(one + other, 1) << static_cast<int>(kind) << " at " << x;
+        EXPECT_EQ(share(-x, 0.2f), other);
+      }
+    }
+  }
+}
+
+TEST(AlphaMasks, LeaveCurvesTheirChance) {
+  constexpr int kCount = 40000;
+  for (const CurveKind kind : kCurveKinds) {
+    SceneDescription scene = EmptyScene();
+    scene.shapes.push_back(Curve(kind, {AddConstant(&scene, 0.5f)}));
+    // Beside it one without a mask, in the same set.
+    scene.shapes.push_back(Curve(kind, {}));
+    scene.shapes.back().to_world = Transform::Translate(0, 5, 0);
+    const MaskedScene masked(scene);
+    // A ray meets both walls of a tube.
+    const double truth = kind == CurveKind::kCylinder ? 0.75 : 0.5;
+    EXPECT_NEAR(HitShare(*masked.geometry, kCount, [](uint32_t i) { return Down(0.3f, 0.1f, i); }),
+                truth, Spread(truth, kCount));
+    EXPECT_EQ(HitShare(*masked.geometry, 80, [](uint32_t i) { return Down(0.3f, 5.1f, i); }), 1);
+  }
+}
+
 TEST(AlphaMasks, OpenTheNearSideOfASphere) {
   // u is the angle about z over a turn: the half of y > 0 is there, that of y < 0 is not.
   SceneDescription scene = WithCheckerboard();

@@ -195,6 +195,18 @@ TEST(Curves, InstancesEqualCopies) {
   }
 }
 
+/// How many rays that leave a flat curve meet it anew, at most: it turns to face them. Let a ray
+/// leave a straight one of radius r at the distance o from its axis, at an angle theta to the axis,
+/// and psi the angle, about the axis, between its way and that back to the axis. It comes nearest
+/// to the axis after o cos(psi) / sin(theta). That is a hit beyond 2 r, below which Embree takes
+/// none, so if sin(theta) < a = o cos(psi) / (2 r), and cos(psi) > 0, as for half of them. Of
+/// directions even in solid angle the part 1 - sqrt(1 - a^2) <= a^2 / (1 + sqrt(3/4)) has that, as
+/// a <= 1/2. Here o = r |x sin(phi)| with x even in [-1, 1] and phi, the angle of the ray that
+/// came, even, as is psi: the mean of a^2 is 1/3 1/2 1/2 / 4.
+const double kMeetAnew = 0.5 * (1.0 / 48) / (1 + std::sqrt(0.75));
+/// Normal, two-sided at p = 1e-5.
+constexpr double kCritical = 4.417;
+
 /// Rays that leave a curve on the outside meet nothing: in the middle of a long straight one, and
 /// in single rays and packets alike.
 TEST(Curves, RaysLeaveThem) {
@@ -234,9 +246,13 @@ TEST(Curves, RaysLeaveThem) {
           mask = MaskLanes{};
         }
         EXPECT_GT(hits, 3000);
-        // A flat curve turns to face every ray: one that leaves along it may meet it anew. Each ray
-        // is traced twice.
-        EXPECT_LE(again, kind == CurveKind::kFlat ? hits / 40 : hits / 1000);
+        // Each ray is traced twice.
+        const double likely = kind == CurveKind::kFlat ? hits * kMeetAnew : 0;
+        double most = 2 * (likely + kCritical * std::sqrt(likely));
+        // No closed form bounds what Embree's iteration for tubes errs by near silhouettes. What is
+        // asked is that the light it costs cannot be seen: a quarter of a step of 8 bits.
+        if (kind == CurveKind::kCylinder) most = hits / 1024.0;
+        EXPECT_LE(again, most);
       }
     }
   }

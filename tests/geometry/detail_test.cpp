@@ -47,6 +47,21 @@ std::optional<Seen> See(const Geometry& geometry, Vec3d origin, Vec3d direction)
   return Seen{geometry.Surface(ray, hit), geometry.Derivatives(ray, hit), hit.primitive};
 }
 
+/// How far point and normal move to a near point, and by how much the derivatives, of which the
+/// mean of both ends is right to the second order, miss that.
+struct Prediction {
+  float p_moved, p_error, n_moved, n_error;
+};
+Prediction Predict(const Seen& here, const Seen& there) {
+  const Vec3f dp = there.point.p - here.point.p, dn = there.point.ns - here.point.ns;
+  const float du = there.point.uv.x - here.point.uv.x, dv = there.point.uv.y - here.point.uv.y;
+  const auto mean = [](Vec3f a, Vec3f b) { return (a + b) * 0.5f; };
+  const SurfaceDerivatives &a = here.derivatives, &b = there.derivatives;
+  const Vec3f p = mean(a.dpdu, b.dpdu) * du + mean(a.dpdv, b.dpdv) * dv;
+  const Vec3f n = mean(a.dndu, b.dndu) * du + mean(a.dndv, b.dndv) * dv;
+  return {Length(dp), Length(p - dp), Length(dn), Length(n - dn)};
+}
+
 /// What the derivatives say of a near point, against that point. With `instances`, the shape is an
 /// object, shared by them.
 void CheckDerivatives(const ShapeGeometry& shape, int instances, uint64_t seed) {
@@ -63,7 +78,7 @@ void CheckDerivatives(const ShapeGeometry& shape, int instances, uint64_t seed) 
   const Geometry::Bounds bounds = geometry->bounds();
   const Vec3d center = (ToDouble(bounds.min) + ToDouble(bounds.max)) * 0.5;
   const double size = Length(ToDouble(bounds.max) - ToDouble(bounds.min));
-  int compared = 0, far = 0;
+  int compared = 0;
   for (int i = 0; i < 400; ++i) {
     const Vec3d origin = center + UnitVector(random) * size;
     const Vec3d direction =
@@ -72,27 +87,32 @@ void CheckDerivatives(const ShapeGeometry& shape, int instances, uint64_t seed) 
     if (!here) continue;
     // Grazing rays end far from each other.
     if (std::fabs(Dot(ToDouble(here->point.ng), direction)) < 0.2) continue;
-    const auto there = See(*geometry, origin, Normalize(direction + UnitVector(random) * 3e-3));
-    if (!there || there->primitive != here->primitive) continue;
-    const Vec3f dp = there->point.p - here->point.p, dn = there->point.ns - here->point.ns;
-    const float du = there->point.uv.x - here->point.uv.x;
-    const float dv = there->point.uv.y - here->point.uv.y;
+    const Vec3d turn = UnitVector(random) * 3e-3;
+    const auto there = See(*geometry, origin, Normalize(direction + turn));
+    const auto halfway = See(*geometry, origin, Normalize(direction + turn * 0.5));
+    if (!there || !halfway) continue;
+    if (there->primitive != here->primitive || halfway->primitive != here->primitive) continue;
     // The other side, or across a seam.
-    if (Length(dp) > 0.1 * size || std::fabs(du) > 0.3f || std::fabs(dv) > 0.3f) continue;
+    if (Length(there->point.p - here->point.p) > 0.1 * size) continue;
+    if (std::fabs(there->point.uv.x - here->point.uv.x) > 0.3f ||
+        std::fabs(there->point.uv.y - here->point.uv.y) > 0.3f)
+      continue;
     if (Dot(there->point.ng, here->point.ng) < 0.5f) continue;
-    // The mean of both ends is right to the second order.
-    const auto mean = [](Vec3f a, Vec3f b) { return (a + b) * 0.5f; };
-    const SurfaceDerivatives &a = here->derivatives, &b = there->derivatives;
-    const Vec3f p = mean(a.dpdu, b.dpdu) * du + mean(a.dpdv, b.dpdv) * dv;
-    const Vec3f n = mean(a.dndu, b.dndu) * du + mean(a.dndv, b.dndv) * dv;
     ++compared;
-    // Where a surface bends much within the step the second order is not enough.
-    far += !(Length(p - dp) < 0.02f * Length(dp) + 1e-5f * static_cast<float>(size) &&
-             Length(n - dn) < 0.02f * Length(dn) + 2e-5f);
+    const Prediction whole = Predict(*here, *there), half = Predict(*here, *halfway);
+    // Of half the step a wrong derivative leaves half of the error. A right one, whose error is of
+    // the third order, leaves an eighth, of which twice as much is allowed for higher orders.
+    const auto fits = [](float error, float moved, float error_of_half, float rounding) {
+      return error < 0.02f * moved + rounding || error_of_half < error / 4 + rounding;
+    };
+    EXPECT_TRUE(fits(whole.p_error, whole.p_moved, half.p_error, 1e-5f * static_cast<float>(size)))
+        << whole.p_error << " of " << whole.p_moved << ", half way " << half.p_error;
+    EXPECT_TRUE(fits(whole.n_error, whole.n_moved, half.n_error, 2e-5f))
+        << whole.n_error << " of " << whole.n_moved << ", half way " << half.n_error;
+    const SurfaceDerivatives& a = here->derivatives;
     EXPECT_LT(Length(a.dpdu - here->point.dpdu), 1e-4f * Length(a.dpdu));
   }
   EXPECT_GT(compared, 30);
-  EXPECT_LE(far, 2);
 }
 
 TEST(Derivatives, PredictNearPoints) {

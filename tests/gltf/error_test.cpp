@@ -72,11 +72,29 @@ TEST(GltfErrors, RequiredExtensionsAreRefusedInASentence) {
            {"KHR_draco_mesh_compression", "uncompressed"},
            {"EXT_meshopt_compression", "uncompressed"},
            {"KHR_texture_basisu", "PNG"},
+           {"EXT_texture_webp", "PNG"},
            {"KHR_unheard_of", "without"}}) {
     const std::string message = ErrorAfter([&](Json& j) { j["extensionsRequired"] = {name}; });
     EXPECT_NE(message.find(name), std::string::npos) << message;
     EXPECT_NE(message.find(remedy), std::string::npos) << message;
   }
+}
+
+TEST(GltfErrors, CompressedDataAreNamedAndNotTheBuffersTheyLeaveEmpty) {
+  GltfFolder folder;
+  folder.Write("scene.gltf",
+               R"({"asset": {"version": "2.0"}, "buffers": [{"byteLength": 4}],
+                   "extensionsRequired": ["EXT_meshopt_compression"]})");
+  const std::string required(folder.Read().status().message());
+  EXPECT_NE(required.find("EXT_meshopt_compression"), std::string::npos) << required;
+  ExpectError("KHR_draco_mesh_compression is not supported", [](Json& j) {
+    j["extensionsUsed"] = {"KHR_draco_mesh_compression"};
+    j["accessors"][2].erase("bufferView");
+  });
+  ExpectError("meshes[0].primitives[0].extensions.KHR_draco_mesh_compression", [](Json& j) {
+    j["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"] = Json::object();
+    j["accessors"][0].erase("bufferView");
+  });
 }
 
 TEST(GltfErrors, FilesThatAreNotThereOrElsewhere) {

@@ -52,11 +52,11 @@ class GltfFile {
  public:
   Json json = {{"asset", {{"version", "2.0"}}}, {"scene", 0}};
 
-  /// Adds an accessor of what `values` are, type "SCALAR" to "VEC4"; returns its index.
+  /// Adds an accessor of what `values` are, type "SCALAR" to "VEC4" or "MAT4"; returns its index.
   template <typename T>
   int Add(const std::vector<T>& values, const std::string& type, int component_type,
           bool normalized = false) {
-    const int components = type == "SCALAR" ? 1 : type.back() - '0';
+    const int components = type == "SCALAR" ? 1 : type == "MAT4" ? 16 : type.back() - '0';
     Json accessor = {{"bufferView", AddBytes(values.data(), values.size() * sizeof(T))},
                      {"componentType", component_type},
                      {"count", values.size() / components},

@@ -113,6 +113,18 @@ TEST(GltfMaterial, IndexAndSpecularSetTheReflectance) {
   EXPECT_EQ(read.Constant(read.material().specular_color), (Rgb{0.1f, 0.2f, 0.3f}));
 }
 
+TEST(GltfMaterial, SpecularMapsAreAnAlphaChannelAndAColour) {
+  const ReadMaterial read = Read({{"extensions",
+                                   {{"KHR_materials_specular",
+                                     {{"specularFactor", 0.5},
+                                      {"specularTexture", {{"index", 0}}},
+                                      {"specularColorTexture", {{"index", 0}}}}}}}});
+  const auto& product = std::get<ScaleTexture>(read.file.scene.textures[read.material().specular]);
+  EXPECT_TRUE(read.Image(product.texture).alpha);
+  EXPECT_EQ(read.Constant(product.scale).r, 0.5f);
+  EXPECT_EQ(read.Image(read.material().specular_color).encoding, ImageEncoding::kSrgb);
+}
+
 TEST(GltfMaterial, CoatAndTransmission) {
   const ReadMaterial read =
       Read({{"extensions",
@@ -156,22 +168,64 @@ TEST(GltfMaterial, OcclusionIsLeftOutAndSaidSo) {
                     "materials[0].occlusionTexture", "left out"));
 }
 
-TEST(GltfMaterial, OneSetOfCoordinatesIsLookedUp) {
-  Json material = {
-      {"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}, {"texCoord", 1}}}}},
-      {"emissiveFactor", {1, 1, 1}},
-      {"emissiveTexture", {{"index", 0}}}};
-  GltfFile file = FileOf(material);
+/// A file of the material whose square has two sets of coordinates.
+ReadMaterial ReadWithTwoSets(Json material) {
+  GltfFile file = FileOf(std::move(material));
   file.json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_1"] =
       file.AddFloats({0, 0, 0.5, 0, 0.5, 0.5, 0, 0.5}, "VEC2");
   const auto read = file.Read();
+  EXPECT_TRUE(read.ok()) << read.status();
+  return {*read};
+}
+
+TEST(GltfMaterial, ASetThatAllTexturesUseIsTheMeshes) {
+  for (const Json& where :
+       {Json{{"texCoord", 1}}, Json{{"extensions", {{"KHR_texture_transform", {{"texCoord", 1}}}}}},
+        Json{{"texCoord", 0}, {"extensions", {{"KHR_texture_transform", {{"texCoord", 1}}}}}}}) {
+    Json map = where;
+    map["index"] = 0;
+    const ReadMaterial read = ReadWithTwoSets(
+        {{"pbrMetallicRoughness", {{"baseColorTexture", map}, {"metallicRoughnessTexture", map}}},
+         {"normalTexture", map},
+         {"emissiveFactor", {1, 1, 1}},
+         {"emissiveTexture", map}});
+    const TriangleMeshShape& mesh = OnlyMesh(read.file);
+    EXPECT_EQ(mesh.uvs, (std::vector<Vec2f>{{0, 1}, {0.5f, 1}, {0.5f, 0.5f}, {0, 0.5f}}));
+    EXPECT_TRUE(mesh.second_uvs.empty());
+    EXPECT_FALSE(read.Image(read.material().base_color).second_uv);
+    EXPECT_FALSE(Warns(read.file, "materials", "TEXCOORD"));
+  }
+}
+
+TEST(GltfMaterial, TheNormalMapsSetComesFirstAndAThirdIsWarnedOf) {
+  const ReadMaterial read =
+      ReadWithTwoSets({{"pbrMetallicRoughness",
+                        {{"baseColorTexture", {{"index", 0}}},
+                         {"metallicRoughnessTexture", {{"index", 0}, {"texCoord", 1}}}}},
+                       {"normalTexture", {{"index", 0}, {"texCoord", 1}}},
+                       {"emissiveFactor", {1, 1, 1}},
+                       {"emissiveTexture", {{"index", 0}, {"texCoord", 2}}}});
+  const TriangleMeshShape& mesh = OnlyMesh(read.file);
+  ASSERT_EQ(mesh.uvs.size(), 4u);
+  ASSERT_EQ(mesh.second_uvs.size(), 4u);
+  EXPECT_EQ(mesh.uvs[2], (Vec2f{0.5f, 0.5f}));
+  EXPECT_EQ(mesh.second_uvs[2], (Vec2f{1, 1}));
+  EXPECT_TRUE(read.Image(read.material().base_color).second_uv);
+  EXPECT_FALSE(read.Image(read.material().roughness).second_uv);
+  const SurfaceDetail& detail = read.file.scene.surface_details.at(read.shape().material);
+  EXPECT_FALSE(read.Image(detail.normal_map).second_uv);
+  EXPECT_FALSE(read.Image(read.shape().emission->texture).second_uv);
+  EXPECT_TRUE(Warns(read.file, "materials[0].emissiveTexture", "TEXCOORD_2 is a third set"));
+}
+
+TEST(GltfMaterial, AlphaOfVerticesCounts) {
+  GltfFile file = FileOf({{"alphaMode", "BLEND"}});
+  file.json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] =
+      file.AddFloats({1, 1, 1, 0, 1, 1, 1, 0.5, 1, 1, 1, 1, 1, 1, 1, 1}, "VEC4");
+  const auto read = file.Read();
   ASSERT_TRUE(read.ok()) << read.status();
-  const std::vector<Vec2f>& uvs = OnlyMesh(*read).uvs;
-  ASSERT_EQ(uvs.size(), 4u);
-  EXPECT_EQ(uvs[2].x, 0.5f);
-  EXPECT_EQ(uvs[1].y, 1);
-  EXPECT_EQ(uvs[2].y, 0.5f);
-  EXPECT_TRUE(Warns(*read, "materials[0].emissiveTexture", "TEXCOORD_0"));
+  const ReadMaterial opaque{*read};
+  EXPECT_TRUE(opaque.Image(opaque.shape().alpha.texture).alpha);
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "common/image_file.h"
-#include "tests/gltf/gltf_file.h"
+#include "tests/gltf/render_file.h"
 #include "worker/integrator/render.h"
 #include "worker/scene/scene.h"
 
@@ -60,6 +60,13 @@ void AddCamera(GltfFile& file) {
       {{"type", "perspective"},
        {"perspective", {{"yfov", 2 * std::atan(0.5 / 10)}, {"znear", 0.1}, {"aspectRatio", 1}}}});
   file.AddNode({{"camera", 0}, {"translation", {0.5, 0.5, 10}}});
+}
+
+/// One that shines along -z.
+void AddSun(GltfFile& file, double lux) {
+  file.json["extensions"]["KHR_lights_punctual"]["lights"] = {
+      {{"type", "directional"}, {"intensity", lux}}};
+  file.AddNode({{"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
 }
 
 constexpr Rgb kRed = {1, 0, 0}, kGreen = {0, 1, 0}, kBlue = {0, 0, 1}, kWhite = {1, 1, 1};
@@ -151,6 +158,64 @@ TEST_P(GltfPicture, ColoursOfVerticesAreInterpolated) {
   }
 }
 
+/// The picture by one set of coordinates, what multiplies it by another or by its vertices.
+TEST_P(GltfPicture, LiesByItsOwnSetOfCoordinates) {
+  for (const bool emissive : {false, true}) {
+    GltfFile file;
+    file.Append("images", {{"uri", "four%20colours.exr"}});
+    file.Append("samplers", {{"magFilter", 9728}});
+    file.Append("textures", {{"source", 0}, {"sampler", 0}});
+    const Json first = {{"index", 0}}, second = {{"index", 0}, {"texCoord", 1}};
+    Json material = WhiteDiffuse();
+    material["pbrMetallicRoughness"]["metallicRoughnessTexture"] = first;
+    if (emissive) {
+      material["pbrMetallicRoughness"]["baseColorFactor"] = {0, 0, 0, 1};
+      material["emissiveFactor"] = {1, 1, 1};
+      material["emissiveTexture"] = second;
+    } else {
+      material["pbrMetallicRoughness"]["baseColorTexture"] = second;
+    }
+    file.Append("materials", material);
+    const int mesh = file.AddSquare({{"material", 0}});
+    // Mirrored: u from the right.
+    file.json["meshes"][mesh]["primitives"][0]["attributes"]["TEXCOORD_1"] =
+        file.AddFloats({1, 1, 0, 1, 0, 0, 1, 0}, "VEC2");
+    file.AddNode({{"mesh", mesh}});
+    AddCamera(file);
+    if (!emissive) AddSun(file, std::numbers::pi);
+    folder_.Write("scene.gltf", file.Text());
+    ExpectQuarters(Render(folder_, 4, GetParam()), {kGreen, kRed, kWhite, kBlue},
+                   emissive ? "emissive" : "base colour");
+  }
+}
+
+TEST_P(GltfPicture, IsMultipliedByTheColoursOfItsVertices) {
+  GltfFile file;
+  file.Append("images", {{"uri", "four%20colours.exr"}});
+  file.Append("samplers", {{"magFilter", 9728}});
+  file.Append("textures", {{"source", 0}, {"sampler", 0}});
+  Json material = WhiteDiffuse();
+  material["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", 0}};
+  file.Append("materials", material);
+  // From half of it at the left to nothing at the right.
+  const int colors = file.AddFloats({0.5, 0.5, 0.5, 0, 0, 0, 0, 0, 0, 0.5, 0.5, 0.5}, "VEC3");
+  file.AddNode(
+      {{"mesh", file.AddSquare({{"material", 0}, {"attributes", {{"COLOR_0", colors}}}})}});
+  AddCamera(file);
+  AddSun(file, std::numbers::pi);
+  folder_.Write("scene.gltf", file.Text());
+  const std::vector<Rgb> pixels = Render(folder_, 4, GetParam(), 4096);
+  // A pixel's mean over its 4096 points of a net errs by less than a column of 1/64 of its width.
+  const float slack = 0.5f / 4 / 64;
+  for (const auto& [pixel, color] :
+       {std::pair(0, kRed), std::pair(3, kGreen), std::pair(13, kBlue), std::pair(14, kWhite)}) {
+    const Rgb expected = color * (0.5f * (1 - (static_cast<float>(pixel % 4) + 0.5f) / 4));
+    EXPECT_NEAR(pixels[pixel].r, expected.r, slack) << pixel;
+    EXPECT_NEAR(pixels[pixel].g, expected.g, slack) << pixel;
+    EXPECT_NEAR(pixels[pixel].b, expected.b, slack) << pixel;
+  }
+}
+
 /// One that is white above and black below, by latitude and longitude: up in glTF's world is y.
 TEST_P(GltfPicture, EnvironmentsStandUprightAndAreNotMirrored) {
   GltfFile file;
@@ -179,16 +244,12 @@ TEST_P(GltfPicture, EnvironmentsStandUprightAndAreNotMirrored) {
 INSTANTIATE_TEST_SUITE_P(Kernels, GltfPicture,
                          testing::Values(KernelKind::kFast, KernelKind::kReference));
 
-/// A white diffuse square, which returns E / pi of its irradiance E. Without Fresnel's reflection:
-/// its index is 1.
+/// A white diffuse square, which returns E / pi of its irradiance E.
 class GltfIrradiance : public testing::TestWithParam<KernelKind> {
  protected:
   Rgb Measure(const Json& light, const Json& node) {
     GltfFile file;
-    file.Append("materials", {{"pbrMetallicRoughness", {{"metallicFactor", 0}}},
-                              {"extensions",
-                               {{"KHR_materials_ior", {{"ior", 1}}},
-                                {"KHR_materials_specular", {{"specularFactor", 0}}}}}});
+    file.Append("materials", WhiteDiffuse());
     file.AddNode({{"mesh", file.AddSquare({{"material", 0}})},
                   {"translation", {-0.5, -0.5, 0}},
                   {"scale", {1, 1, 1}}});
@@ -198,7 +259,7 @@ class GltfIrradiance : public testing::TestWithParam<KernelKind> {
     file.AddNode(lit);
     // Sees the middle alone.
     file.Append("cameras", {{"type", "perspective"},
-                            {"perspective", {{"yfov", 1e-4}, {"znear", 0.1}, {"aspectRatio", 1}}}});
+                            {"perspective", {{"yfov", 1e-5}, {"znear", 0.1}, {"aspectRatio", 1}}}});
     file.AddNode({{"camera", 0}, {"translation", {0, 0, 10}}});
     GltfFolder folder;
     folder.Write("scene.gltf", file.Text());
@@ -222,6 +283,41 @@ TEST_P(GltfIrradiance, OfACandelaFallsByTheSquareOfTheDistance) {
   EXPECT_NEAR(Measure({{"type", "point"}, {"intensity", 9}}, {{"translation", {3, 0, 3}}}).g,
               9.0 / 18 * std::sqrt(0.5), 1e-4);
 }
+
+/// Of a spot 3 above the square, whose axis is turned away by `degrees` about y.
+class GltfSpot : public GltfIrradiance {
+ protected:
+  float Turned(double degrees, const Json& cones) {
+    const double half = degrees * std::numbers::pi / 360;
+    return Measure({{"type", "spot"}, {"intensity", 9}, {"spot", cones}},
+                   {{"translation", {0, 0, 3}},
+                    {"scale", {2, 2, 2}},
+                    {"rotation", {0, std::sin(half), 0, std::cos(half)}}})
+        .g;
+  }
+};
+
+TEST_P(GltfSpot, IsWholeInItsInnerConeAndEndsAtItsOuterOne) {
+  const Json cones = {{"innerConeAngle", std::numbers::pi / 9}, {"outerConeAngle", 0.5235987756}};
+  for (const double degrees : {0.0, 19.9, -19.9}) EXPECT_NEAR(Turned(degrees, cones), 1, 1e-4);
+  for (const double degrees : {30.1, -30.1, 90.0, 180.0}) EXPECT_EQ(Turned(degrees, cones), 0);
+  // Between them a smooth step of the cosine, as PBRT 12.2.1 has it.
+  const auto cosine = [](double degrees) { return std::cos(degrees * std::numbers::pi / 180); };
+  const double t = (cosine(26) - cosine(30)) / (cosine(20) - cosine(30));
+  EXPECT_NEAR(Turned(26, cones), t * t * (3 - 2 * t), 1e-4);
+}
+
+/// An inner cone of 0 and an outer one of 45 degrees.
+TEST_P(GltfSpot, HasTheDefaultsOfTheExtension) {
+  EXPECT_NEAR(Turned(0, Json::object()), 1, 1e-4);
+  const double outer = std::sqrt(0.5), at = std::cos(std::numbers::pi / 6);
+  const double t = (at - outer) / (1 - outer);
+  EXPECT_NEAR(Turned(30, Json::object()), t * t * (3 - 2 * t), 1e-4);
+  EXPECT_EQ(Turned(45.1, Json::object()), 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Kernels, GltfSpot,
+                         testing::Values(KernelKind::kFast, KernelKind::kReference));
 
 INSTANTIATE_TEST_SUITE_P(Kernels, GltfIrradiance,
                          testing::Values(KernelKind::kFast, KernelKind::kReference));

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "tests/gltf/gltf_file.h"
+#include "worker/integrator/camera.h"
 #include "worker/math/vec3d.h"
 
 // Nodes, instances, cameras and lights.
@@ -93,6 +94,26 @@ TEST(GltfCamera, LooksAlongMinusZWithXToTheRight) {
   EXPECT_EQ(read->scene.defaults.height, 720);
 }
 
+TEST(GltfCamera, OrthographicOnesShowTwiceTheirMagnifications) {
+  GltfFile file;
+  file.Append("cameras",
+              {{"type", "orthographic"},
+               {"orthographic", {{"xmag", 2}, {"ymag", 1}, {"znear", 0.1}, {"zfar", 10}}}});
+  file.AddNode({{"camera", 0}, {"translation", {0, 1, 5}}, {"scale", {7, 7, 7}}});
+  const auto read = ReadNodes(file);
+  ASSERT_TRUE(read.ok()) << read.status();
+  EXPECT_EQ(read->scene.defaults.width, 1440);
+  const CameraDescription& description = read->scene.camera;
+  EXPECT_EQ(description.kind, CameraKind::kOrthographic);
+  EXPECT_FALSE(Warns(*read, "cameras", ""));
+  const Camera camera = *Camera::Create(description, 1440, 720);
+  const auto at = [&](float x, float y) { return ToDouble(camera.GenerateRay({x, y}, {}).origin); };
+  ExpectNear(at(0, 0), {-2, 2, 5});
+  ExpectNear(at(1440, 720), {2, 0, 5});
+  ExpectNear(ToDouble(camera.GenerateRay({0, 0}, {}).direction), {0, 0, -1});
+  EXPECT_FLOAT_EQ(camera.Depth({1, 1, 1}), 4);
+}
+
 TEST(GltfCamera, IsChosenByNameIndexOrNumbers) {
   GltfFile file;
   for (const char* name : {"near", "far"}) {
@@ -136,6 +157,17 @@ TEST(GltfDefaults, ACameraThatSeesAllAndALight) {
   // The world's right is the picture's right, and up is up.
   EXPECT_GT(to_camera->Vector({1, 0, 0}).x, 0);
   EXPECT_GT(to_camera->Vector({0, 1, 0}).y, 0);
+}
+
+TEST(GltfDefaults, AFileWithoutSurfacesSaysSo) {
+  for (const Json& json : {Json{{"asset", {{"version", "2.0"}}}},
+                           Json{{"asset", {{"version", "2.0"}}}, {"scenes", {Json::object()}}}}) {
+    GltfFile file;
+    file.json = json;
+    const auto read = ReadNodes(file);
+    ASSERT_TRUE(read.ok()) << read.status();
+    EXPECT_TRUE(Warns(*read, "scene", "nothing is seen"));
+  }
 }
 
 TEST(GltfLights, HaveTheirUnitsAndDirections) {

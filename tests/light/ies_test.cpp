@@ -116,7 +116,8 @@ TEST(IesFiles, ThatAreBrokenAreLocated) {
 TEST(IesFiles, BecomeDiagrams) {
   const LightFiles files;
   files.Write("lamp.IES", File("0 45 90", "0 90 180", "100 80 20 100 60 20 100 40 20"));
-  const absl::StatusOr<Diagram> diagram = Diagram::Load("lamp.IES", files.source());
+  const absl::StatusOr<Diagram> diagram =
+      Diagram::Load("lamp.IES", EnvironmentMapping::kEqualArea, files.source());
   ASSERT_TRUE(diagram.ok()) << diagram.status();
   const IesProfile lamp = Parse(File("0 45 90", "0 90 180", "100 80 20 100 60 20 100 40 20"));
   for (double v = 1; v < 89; v += 3.7) {
@@ -126,7 +127,8 @@ TEST(IesFiles, BecomeDiagrams) {
     }
   }
   files.Write("bad.ies", "TILT=NONE\n1 2");
-  const absl::Status status = Diagram::Load("bad.ies", files.source()).status();
+  const absl::Status status =
+      Diagram::Load("bad.ies", EnvironmentMapping::kEqualArea, files.source()).status();
   EXPECT_EQ(std::string(status.message()).find("bad.ies:2: "), 0u) << status;
 }
 

@@ -233,6 +233,33 @@ TEST(GoniometricLights, ShineAsTheirDiagramSaysWithTheSecondAxisUp) {
   ExpectLiFollowsIntensity<GoniometricLight>(scene);
 }
 
+/// Longitudes go from the light's x to its z, colatitudes from its y.
+TEST(GoniometricLights, MayBeMappedByLatitudeAndLongitude) {
+  const LightFiles files;
+  constexpr int kWidth = 512, kHeight = 256;
+  const auto shape = [](Vec3f d) { return 2 + d.x - 0.5f * d.y + 0.8f * d.z * d.z * d.z; };
+  std::vector<Rgb> pixels;
+  for (int i = 0; i < kWidth * kHeight; ++i) {
+    const double longitude = 2 * M_PI * (i % kWidth + 0.5) / kWidth;
+    const double colatitude = M_PI * (i / kWidth + 0.5) / kHeight;
+    pixels.push_back(
+        Rgb::Gray(shape({static_cast<float>(std::sin(colatitude) * std::cos(longitude)),
+                         static_cast<float>(std::sin(colatitude) * std::sin(longitude)),
+                         static_cast<float>(std::cos(colatitude))})));
+  }
+  files.WriteImage("lamp.pfm", kWidth, kHeight, pixels);
+  GoniometricLightDescription lamp = Lamp("lamp.pfm");
+  lamp.mapping = EnvironmentMapping::kLatLong;
+  const LightScene scene = Build(lamp, files.source());
+  TestRandom random(11);
+  for (int i = 0; i < 5000; ++i) {
+    const Vec3f d = SampleUniformSphere(random.Float2());
+    // Two look-ups between pixels of at most 0.7 degrees, of a shape whose slope is below 3.
+    EXPECT_NEAR(Intensity(Only<GoniometricLight>(scene), ToWorld(kTurned, {d.x, d.z, d.y})).g,
+                2 * shape(d), 2 * 3 * 0.0123);
+  }
+}
+
 TEST(GoniometricLights, HaveTheirPower) {
   const LightFiles files;
   TestRandom random(10);

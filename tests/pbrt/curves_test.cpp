@@ -111,6 +111,20 @@ TEST(Curves, ThatDifferInNothingElseAreOneShape) {
   EXPECT_EQ(first.radii.size(), 8u);
 }
 
+TEST(Curves, HaveTheirAlpha) {
+  const std::string points = " \"point3 P\" [ 0 0 0 1 0 0 2 0 0 3 0 0 ] ";
+  const PbrtScene scene = World(
+      "Texture \"t\" \"float\" \"checkerboard\" Shape \"curve\"" + points +
+      "\"float alpha\" 0.25 Shape \"curve\"" + points + "\"texture alpha\" \"t\" Shape \"curve\"" +
+      points + "\"texture alpha\" \"t\" Shape \"curve\"" + points + "\"float alpha\" 0");
+  EXPECT_TRUE(scene.warnings.empty());
+  ASSERT_EQ(scene.scene.shapes.size(), 2u) << "of alpha 0 there is none, of one alpha are joined";
+  const auto& textures = scene.scene.textures;
+  const auto alpha = [&](size_t i) { return scene.scene.shapes[i].alpha.texture; };
+  EXPECT_EQ(std::get<ConstantTexture>(textures.at(alpha(0))).value.r, 0.25f);
+  EXPECT_TRUE(std::holds_alternative<CheckerboardTexture>(textures.at(alpha(1))));
+}
+
 TEST(Curves, MistakesAreLocated) {
   EXPECT_EQ(Message("\"point3 P\" [ 0 0 0 1 0 0 ]"),
             "scene.pbrt:2: a bezier curve of degree 3 has a multiple of 3 and one control points "

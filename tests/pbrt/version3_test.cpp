@@ -146,6 +146,32 @@ TEST(Version3, CamerasFiltersAndShapesHaveNewWords) {
   EXPECT_EQ(std::get<TriangleMeshShape>(scene.scene.shapes.at(1).geometry).uvs.size(), 3u);
 }
 
+TEST(Version3, ImagesOfLightsLieByLatitudeAndLongitude) {
+  SceneFolder folder;
+  for (const char* name : {"sky.exr", "lamp.png", "slide.png"}) folder.Write(name, "");
+  folder.Write("scene.pbrt", R"(WorldBegin
+    LightSource "infinite" "string mapname" "sky.exr" "rgb L" [ 3 3 3 ] "color scale" [ 2 2 2 ]
+    LightSource "goniometric" "string mapname" "lamp.png" "rgb I" [ 1 2 3 ]
+    LightSource "projection" "string mapname" "slide.png"
+    LightSource "projection" "string mapname" "slide.png" "float fov" 30
+    LightSource "point" "rgb scale" [ 5 5 5 ])");
+  const absl::StatusOr<PbrtScene> scene = folder.Read();
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  const auto light = [&](size_t i) { return scene->scene.lights.at(i).light; };
+  const auto sky = std::get<ImageInfiniteLightDescription>(light(0));
+  EXPECT_EQ(sky.path, "sky.exr");
+  EXPECT_EQ(sky.mapping, EnvironmentMapping::kLatLong);
+  EXPECT_EQ(sky.scale, 6);
+  const auto lamp = std::get<GoniometricLightDescription>(light(1));
+  EXPECT_EQ(lamp.path, "lamp.png");
+  EXPECT_EQ(lamp.mapping, EnvironmentMapping::kLatLong);
+  EXPECT_EQ(lamp.intensity, (Rgb{1, 2, 3}));
+  EXPECT_EQ(std::get<ProjectionLightDescription>(light(2)).fov, 45) << "v3's default";
+  EXPECT_EQ(std::get<ProjectionLightDescription>(light(3)).fov, 30);
+  EXPECT_EQ(std::get<PointLightDescription>(light(4)).intensity, Rgb::Gray(5));
+  EXPECT_TRUE(Warns(*scene, "\"mapname\" of LightSource is read as \"filename\""));
+}
+
 TEST(Version3, WhatHasNoWordIsRefusedWithWhatToUse) {
   const auto message = [](const std::string& text) {
     return std::string(ReadWorld(text).status().message());
@@ -155,7 +181,8 @@ TEST(Version3, WhatHasNoWordIsRefusedWithWhatToUse) {
             "conductor, dielectric or a mix");
   EXPECT_EQ(message("\nShape \"hyperboloid\""),
             "scene.pbrt:3: Shape \"hyperboloid\" of pbrt-v3 is not supported; use a trianglemesh");
-  EXPECT_NE(message("LightSource \"infinite\" \"string mapname\" \"sky.exr\"").find("makeequiarea"),
+  EXPECT_NE(message("LightSource \"infinite\" \"string mapname\" \"sky.exr\" \"rgb L\" [ 1 2 3 ]")
+                .find("use a gray one"),
             std::string::npos);
   EXPECT_NE(message("WorldEnd\nWorldBegin").find("last of the file"), std::string::npos);
   EXPECT_NE(message("Material \"mix\" \"string namedmaterial1\" \"a\"").find("namedmaterial2"),

@@ -97,7 +97,7 @@ struct Lookup {
   const std::map<float, CoatInterface>& coats;
   const std::map<float, AlbedoTable>& trapped_light;
   const SchlickAlbedo* schlick;  ///< Null where no material needs it.
-  Vec2f uv;
+  SurfaceUv uv;
   Vec3f p;
 
   Rgb Color(TextureId id) const { return textures.Eval(id, uv, p); }
@@ -289,12 +289,12 @@ absl::Status MaterialSet::SetDetails(const std::map<MaterialId, SurfaceDetail>& 
 SurfacePoint MaterialSet::WithDetail(const SurfacePoint& point,
                                      const SurfaceDerivatives& derivatives, Vec3f wo,
                                      float u_mix) const {
-  const MaterialId id = Choose(point.material, point.uv, point.p, u_mix).id;
+  const MaterialId id = Choose(point.material, point.TextureUv(), point.p, u_mix).id;
   const std::optional<SurfaceDetail>& detail = entries_[id].detail;
   return detail ? ApplyDetail(*detail, textures_, derivatives, point, wo) : point;
 }
 
-MaterialSet::Choice MaterialSet::Choose(MaterialId id, Vec2f uv, Vec3f p, float u_mix) const {
+MaterialSet::Choice MaterialSet::Choose(MaterialId id, SurfaceUv uv, Vec3f p, float u_mix) const {
   while (const auto* mix = std::get_if<MixMaterial>(&materials_[id])) {
     if (mix->sum) break;
     const float amount = std::clamp(textures_.Eval(mix->amount, uv, p).r, 0.0f, 1.0f);
@@ -306,14 +306,14 @@ MaterialSet::Choice MaterialSet::Choose(MaterialId id, Vec2f uv, Vec3f p, float 
   return {id, u_mix};
 }
 
-Bsdf MaterialSet::MakeBsdf(MaterialId id, Vec2f uv, Vec3f p) const {
+Bsdf MaterialSet::MakeBsdf(MaterialId id, SurfaceUv uv, Vec3f p) const {
   const Entry& entry = entries_[id];
   if (entry.constant) return entry.bsdf;
   return std::visit(Lookup{textures_, coats_, trapped_light_, schlick_.get(), uv, p},
                     materials_[id]);
 }
 
-void MaterialSet::AddParts(MaterialId id, float weight, Vec2f uv, Vec3f p, float u_mix,
+void MaterialSet::AddParts(MaterialId id, float weight, SurfaceUv uv, Vec3f p, float u_mix,
                            MixtureParts* parts) const {
   if (!(weight > 0)) return;
   const Choice choice = Choose(id, uv, p, u_mix);
@@ -324,7 +324,7 @@ void MaterialSet::AddParts(MaterialId id, float weight, Vec2f uv, Vec3f p, float
   AddParts(sum->b, weight * amount, uv, p, choice.u_mix, parts);
 }
 
-const Bsdf& MaterialSet::Evaluate(MaterialId id, Vec2f uv, Vec3f p, float u_mix,
+const Bsdf& MaterialSet::Evaluate(MaterialId id, SurfaceUv uv, Vec3f p, float u_mix,
                                   BsdfRoom* room) const {
   const Choice choice = Choose(id, uv, p, u_mix);
   if (entries_[choice.id].constant) return entries_[choice.id].bsdf;

@@ -33,7 +33,7 @@ class MaterialSet {
   /// How the surface scatters at texture coordinates `uv` and the world-space point `p`. `u_mix` in
   /// [0, 1) chooses among the materials of a mix. An interface lets everything pass. The result is
   /// in `room`, or in the set.
-  const Bsdf& Evaluate(MaterialId id, Vec2f uv, Vec3f p, float u_mix, BsdfRoom* room) const;
+  const Bsdf& Evaluate(MaterialId id, SurfaceUv uv, Vec3f p, float u_mix, BsdfRoom* room) const;
   /// The BSDF of a material that is the same everywhere, without a copy; null for others.
   const Bsdf* Constant(MaterialId id) const {
     const Entry& entry = entries_[id];
@@ -65,16 +65,16 @@ class MaterialSet {
 
   explicit MaterialSet(const TextureSet& textures) : textures_(textures) {}
   /// Adds what the sum at `id` consists of at the point, `weight` times.
-  void AddParts(MaterialId id, float weight, Vec2f uv, Vec3f p, float u_mix,
+  void AddParts(MaterialId id, float weight, SurfaceUv uv, Vec3f p, float u_mix,
                 MixtureParts* parts) const;
   /// The BSDF of a material that is no mix.
-  Bsdf MakeBsdf(MaterialId id, Vec2f uv, Vec3f p) const;
+  Bsdf MakeBsdf(MaterialId id, SurfaceUv uv, Vec3f p) const;
   struct Choice {
     MaterialId id = 0;
     float u_mix = 0;  ///< What is left of the random number.
   };
   /// What `id` comes to where it is a mix, but not a sum.
-  Choice Choose(MaterialId id, Vec2f uv, Vec3f p, float u_mix) const;
+  Choice Choose(MaterialId id, SurfaceUv uv, Vec3f p, float u_mix) const;
   absl::Status SetDetails(const std::map<MaterialId, SurfaceDetail>& details);
 
   const TextureSet& textures_;

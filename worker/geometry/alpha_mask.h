@@ -24,7 +24,7 @@ struct Meeting {
 /// Whether the surface is there for the ray: with the probability alpha, where that is not 0 or 1
 /// by a hash of the meeting (PBRT 7.1.1 hashes origin and direction of the ray, whose last bits
 /// differ between kernels). `uv` and the world-space point `p` are where the texture is looked up.
-inline bool IsThere(const AlphaMask& mask, const TextureSet& textures, Vec2f uv, Vec3f p,
+inline bool IsThere(const AlphaMask& mask, const TextureSet& textures, SurfaceUv uv, Vec3f p,
                     const Meeting& meeting) {
   const float alpha = AlphaAfterCutoff(mask, textures.Eval(mask.texture, uv, p).r);
   if (alpha >= 1) return true;

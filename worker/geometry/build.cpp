@@ -56,6 +56,8 @@ void Finish(TriangleSet* set) {
 
 bool HasAlpha(const ShapeGroup& group) {
   return !group.masked.triangles.empty() ||
+         std::any_of(group.curves.begin(), group.curves.end(),
+                     [](const CurveSet& set) { return !set.masks.empty(); }) ||
          std::any_of(group.curved.begin(), group.curved.end(),
                      [](const CurvedShape& shape) { return shape.alpha.texture != kNoTexture; });
 }

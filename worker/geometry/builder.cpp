@@ -61,6 +61,23 @@ absl::Status CheckIndices(const ShapeDescription& shape, std::span<const uint32_
   return absl::OkStatus();
 }
 
+bool UsesSecondUv(const std::vector<TextureDescription>& textures, TextureId id) {
+  if (id < 0 || static_cast<size_t>(id) >= textures.size()) return false;
+  if (const auto* image = std::get_if<ImageTexture>(&textures[id])) return image->second_uv;
+  const auto* product = std::get_if<ScaleTexture>(&textures[id]);
+  return product &&
+         (UsesSecondUv(textures, product->texture) || UsesSecondUv(textures, product->scale));
+}
+
+/// Those by which the shape's emission is looked up.
+const std::vector<Vec2f>& EmissionUvs(const std::vector<TextureDescription>& textures,
+                                      const ShapeDescription& shape,
+                                      const TriangleMeshShape& mesh) {
+  const bool second =
+      shape.emission && !mesh.second_uvs.empty() && UsesSecondUv(textures, shape.emission->texture);
+  return second ? mesh.second_uvs : mesh.uvs;
+}
+
 bool AllFinite(std::initializer_list<float> values) {
   for (const float value : values) {
     if (!std::isfinite(value)) return false;
@@ -98,7 +115,7 @@ absl::Status ShapeBuilder::Add(const ShapeDescription& shape, const Transform& t
   if (const auto* patches = std::get_if<BilinearPatchShape>(&shape.geometry))
     return AddPatches(shape, *patches, placed, may_emit, group);
   if (const auto* curves = std::get_if<CurveShape>(&shape.geometry))
-    return AddCurves(shape, *curves, placed, &group->curves);
+    return AddCurves(shape, *curves, placed, HasMask(shape), &group->curves);
   if (const auto* sphere = std::get_if<SphereShape>(&shape.geometry)) {
     STRATA_RETURN_IF_ERROR(check_radius(sphere->radius));
     STRATA_RETURN_IF_ERROR(
@@ -148,6 +165,8 @@ absl::Status ShapeBuilder::AddMesh(const ShapeDescription& shape, const Triangle
   STRATA_ASSIGN_OR_RETURN(
       const Vertices vertices,
       PlaceVertices(shape, mesh.positions, mesh.normals, mesh.uvs.size(), to_group));
+  if (!mesh.second_uvs.empty() && mesh.second_uvs.size() != mesh.positions.size())
+    return Located(shape.where, "the mesh has not as many second uvs as positions");
   constexpr size_t kMaxVertices = 0xfffffff0u;
   const size_t base = set->positions.size();
   if (base + vertices.positions.size() > kMaxVertices ||
@@ -160,7 +179,10 @@ absl::Status ShapeBuilder::AddMesh(const ShapeDescription& shape, const Triangle
   if (!vertices.normals.empty())
     entry.normal_offset = static_cast<uint32_t>(set->normals.size() - base);
   if (!mesh.uvs.empty()) entry.uv_offset = static_cast<uint32_t>(set->uvs.size() - base);
+  if (!mesh.second_uvs.empty())
+    entry.second_uv_offset = static_cast<uint32_t>(set->uvs.size() + mesh.uvs.size() - base);
   const bool mirrored = shape.reverse_orientation != to_group.SwapsHandedness();
+  const std::vector<Vec2f>& emission_uvs = EmissionUvs(scene_.textures, shape, mesh);
   const bool emits = may_emit && shape.emission && !IsBlack(shape.emission->radiance);
 
   for (const auto& indices : mesh.triangles) {
@@ -187,10 +209,10 @@ absl::Status ShapeBuilder::AddMesh(const ShapeDescription& shape, const Triangle
     if (emits) {
       Emitter emitter;
       TriangleEmitter corners = {p0, p1, p2, ng};
-      if (!mesh.uvs.empty()) {
-        corners.uv0 = mesh.uvs[indices[0]];
-        corners.uv1 = mesh.uvs[indices[1]];
-        corners.uv2 = mesh.uvs[indices[2]];
+      if (!emission_uvs.empty()) {
+        corners.uv0 = emission_uvs[indices[0]];
+        corners.uv1 = emission_uvs[indices[1]];
+        corners.uv2 = emission_uvs[indices[2]];
       }
       emitter.shape = corners;
       emitter.area = static_cast<float>(
@@ -204,6 +226,7 @@ absl::Status ShapeBuilder::AddMesh(const ShapeDescription& shape, const Triangle
   set->positions.insert(set->positions.end(), vertices.positions.begin(), vertices.positions.end());
   set->normals.insert(set->normals.end(), vertices.normals.begin(), vertices.normals.end());
   set->uvs.insert(set->uvs.end(), mesh.uvs.begin(), mesh.uvs.end());
+  set->uvs.insert(set->uvs.end(), mesh.second_uvs.begin(), mesh.second_uvs.end());
   set->shapes.push_back(entry);
   return absl::OkStatus();
 }

@@ -71,7 +71,7 @@ double ExtentOf(std::span<const CurveSet::Vertex, 4> v) {
 }  // namespace
 
 absl::Status AddCurves(const ShapeDescription& shape, const CurveShape& curves,
-                       const Transform& placed, CurveSets* sets) {
+                       const Transform& placed, bool masked, CurveSets* sets) {
   const auto error = [&](const char* what) {
     return absl::InvalidArgumentError(absl::StrCat(shape.where.ToString(), ": ", what));
   };
@@ -99,14 +99,16 @@ absl::Status AddCurves(const ShapeDescription& shape, const CurveShape& curves,
     for (const Vec3f& normal : curves.normals)
       set.normals.push_back(ToFloat(Normalize(placement->NormalToWorld(ToDouble(normal)))));
   }
+  const int32_t mask = masked ? static_cast<int32_t>(set.masks.size()) : -1;
+  if (masked) set.masks.push_back(shape.alpha);
   for (const uint32_t first : curves.segments) {
     if (size_t{first} + 4 > curves.positions.size())
       return error("a segment of the curve has no four control points");
     const auto at = set.vertices.begin() + static_cast<ptrdiff_t>(base + first);
     const bool is_wide = std::any_of(at, at + 4, [](const auto& v) { return v.radius > 0; });
     if (!is_wide) continue;
-    set.segments.push_back(
-        {static_cast<uint32_t>(base + first), shape.material, shape.reverse_orientation ? 1u : 0u});
+    set.segments.push_back({static_cast<uint32_t>(base + first), shape.material,
+                            shape.reverse_orientation ? 1u : 0u, mask});
   }
   return absl::OkStatus();
 }

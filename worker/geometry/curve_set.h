@@ -27,11 +27,13 @@ struct CurveSet {
     uint32_t first_vertex = 0;  ///< Of four.
     MaterialId material = 0;
     uint32_t flipped = 0;  ///< The outer side of a cylinder is its inside, of a ribbon its back.
+    int32_t mask = -1;     ///< Into CurveSet::masks; -1: all of it is there.
   };
 
   std::vector<Vertex> vertices;
   std::vector<Vec3f> normals;  ///< Of ribbons: for each vertex.
   std::vector<Segment> segments;
+  std::vector<AlphaMask> masks;
 };
 
 /// One for each CurveKind.
@@ -42,8 +44,9 @@ inline constexpr int kFlatCurvePieces = 16;
 
 /// Adds the shape's curves, placed in the space of `sets` by `placed`. Under a transform that is no
 /// similarity their radii scale by its mean factor. INVALID_ARGUMENT with the shape's location.
+/// `masked` says whether the shape's alpha leaves some of it out.
 absl::Status AddCurves(const ShapeDescription& shape, const CurveShape& curves,
-                       const Transform& placed, CurveSets* sets);
+                       const Transform& placed, bool masked, CurveSets* sets);
 
 /// What is known of a curve where `ray` met it; both in the set's space.
 SurfacePoint PointOnCurve(const CurveSets& sets, CurveKind kind, const Hit& hit,

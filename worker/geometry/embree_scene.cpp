@@ -39,8 +39,41 @@ void FilterMasked(const RTCFilterFunctionNArguments* args) {
     const Vec3f p0 = set.positions[triangle.vertices[0]];
     const Vec3f p = p0 + (u * (set.positions[triangle.vertices[1]] - p0) +
                           v * (set.positions[triangle.vertices[2]] - p0));
-    if (!IsThere(group.masks[triangle.shape], *textures, UvsOf(set, triangle).At(u, v),
-                 InWorld(group, meeting.instance, p), meeting))
+    const Vec2f uv = UvsOf(set, triangle).At(u, v);
+    const SurfaceUv uvs = {uv, SecondUvAt(set, triangle, u, v).value_or(uv)};
+    if (!IsThere(group.masks[triangle.shape], *textures, uvs, InWorld(group, meeting.instance, p),
+                 meeting))
+      args->valid[i] = 0;
+  }
+}
+
+/// Drops hits of curves that are not there.
+void FilterCurves(const RTCFilterFunctionNArguments* args) {
+  const ShapeGroup& group = GroupOf(args->geometryUserPtr);
+  const TextureSet* textures = group.state->textures;
+  if (!textures) return;
+  const unsigned n = args->N;
+  for (unsigned i = 0; i < n; ++i) {
+    if (!args->valid[i]) continue;
+    const SurfaceRay ray = RayOf(args->ray, n, i);
+    Hit hit;
+    hit.t = static_cast<float>(ray.t_max);  // In a filter the ray ends at what it meets.
+    hit.u = RTCHitN_u(args->hit, n, i);
+    hit.v = RTCHitN_v(args->hit, n, i);
+    hit.local = {RTCHitN_Ng_x(args->hit, n, i), RTCHitN_Ng_y(args->hit, n, i),
+                 RTCHitN_Ng_z(args->hit, n, i)};
+    hit.geometry = RTCHitN_geomID(args->hit, n, i);
+    hit.primitive = RTCHitN_primID(args->hit, n, i);
+    hit.instance = RTCHitN_instID(args->hit, n, i, 0);
+    const auto kind = static_cast<CurveKind>(hit.geometry - kFirstCurveGeometry);
+    const CurveSet& set = group.curves[static_cast<size_t>(kind)];
+    const int32_t mask = set.segments[hit.primitive].mask;
+    if (mask < 0) continue;
+    const SurfacePoint point = PointOnCurve(group.curves, kind, hit, ray);
+    const bool inside = Dot(ToDouble(point.ng), ray.direction) > 0;
+    if (!IsThere(set.masks[static_cast<size_t>(mask)], *textures, point.uv,
+                 InWorld(group, hit.instance, point.p),
+                 {RTCRayN_id(args->ray, n, i), hit.geometry, hit.primitive, hit.instance, inside}))
       args->valid[i] = 0;
   }
 }
@@ -146,7 +179,8 @@ RTCGeometry MakeCurved(RTCDevice device, ShapeGroup* group) {
   return geometry;
 }
 
-RTCGeometry MakeCurves(RTCDevice device, CurveKind kind, const CurveSet& set) {
+RTCGeometry MakeCurves(RTCDevice device, CurveKind kind, ShapeGroup* group) {
+  const CurveSet& set = group->curves[static_cast<size_t>(kind)];
   const RTCGeometryType type = kind == CurveKind::kFlat ? RTC_GEOMETRY_TYPE_FLAT_BEZIER_CURVE
                                : kind == CurveKind::kCylinder
                                    ? RTC_GEOMETRY_TYPE_ROUND_BEZIER_CURVE
@@ -162,6 +196,11 @@ RTCGeometry MakeCurves(RTCDevice device, CurveKind kind, const CurveSet& set) {
   rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT,
                              set.segments.data(), 0, sizeof(CurveSet::Segment),
                              set.segments.size());
+  if (!set.masks.empty()) {
+    rtcSetGeometryUserData(geometry, group);
+    rtcSetGeometryIntersectFilterFunction(geometry, FilterCurves);
+    rtcSetGeometryOccludedFilterFunction(geometry, FilterCurves);
+  }
   if (kind == CurveKind::kFlat) rtcSetGeometryTessellationRate(geometry, kFlatCurvePieces);
   rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_MEDIUM);
   return geometry;
@@ -192,7 +231,7 @@ void CreateEmbreeScene(RTCDevice device, ShapeGroup* group) {
   for (const CurveKind kind : {CurveKind::kFlat, CurveKind::kCylinder, CurveKind::kRibbon}) {
     const CurveSet& set = group->curves[static_cast<size_t>(kind)];
     if (!set.segments.empty())
-      Attach(group->scene, MakeCurves(device, kind, set),
+      Attach(group->scene, MakeCurves(device, kind, group),
              kFirstCurveGeometry + static_cast<unsigned>(kind));
   }
 }

@@ -6,10 +6,12 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <variant>
 #include <vector>
 
 #include "common/status.h"
+#include "worker/geometry/surface_uv.h"
 #include "worker/math/vec.h"
 #include "worker/scene/build_options.h"
 #include "worker/scene/description.h"
@@ -50,6 +52,9 @@ struct SurfacePoint {
   Vec2f uv;
   MaterialId material = 0;
   int32_t light = -1;  ///< Index into Geometry::emitters(), or -1.
+  std::optional<Vec2f> second_uv;
+
+  SurfaceUv TextureUv() const { return {uv, second_uv.value_or(uv)}; }
 };
 
 /// How a point of a surface and its shading normal (on the outer side) move with (u, v), in world
@@ -61,8 +66,9 @@ struct SurfaceDerivatives {
 // Emissive shapes in world space, as light sampling wants them.
 struct TriangleEmitter {
   Vec3f p0, p1, p2;
-  Vec3f ng;                                        ///< Unit, of the emitting side.
-  Vec2f uv0 = {0, 0}, uv1 = {1, 0}, uv2 = {1, 1};  ///< Of the corners.
+  Vec3f ng;  ///< Unit, of the emitting side.
+  /// Of the corners; the second ones where the texture is looked up by those.
+  Vec2f uv0 = {0, 0}, uv1 = {1, 0}, uv2 = {1, 1};
 };
 struct SphereEmitter {  ///< A full sphere under a similarity transform.
   Vec3f center;

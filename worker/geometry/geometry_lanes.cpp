@@ -43,9 +43,9 @@ SurfaceLanes PointsOnTriangles(const TriangleSet& set, const HitLanes& hits, Mas
   const IntLanes v0 = bits(triangle.v[0]), v1 = bits(triangle.v[1]), v2 = bits(triangle.v[2]),
                  last = bits(triangle.v[3]);
   const MaskLanes flipped = last < 0;
-  static_assert(sizeof(TriangleSet::Shape) == 20);
+  static_assert(sizeof(TriangleSet::Shape) == 24);
   const RowLanes shape =
-      GatherRows(reinterpret_cast<const float*>(set.shapes.data()), (last & 0x7fffffff) * 5, mask);
+      GatherRows(reinterpret_cast<const float*>(set.shapes.data()), (last & 0x7fffffff) * 6, mask);
   SurfaceLanes surface;
   surface.material = bits(shape.v[0]);
   const IntLanes first_light = bits(shape.v[1]), first_triangle = bits(shape.v[2]),

@@ -8,7 +8,7 @@ namespace {
 /// The normal of the map, not normalized.
 Vec3f MappedNormal(const SurfaceDetail& detail, const TextureSet& textures,
                    const SurfaceDerivatives& derivatives, const SurfacePoint& point) {
-  const Rgb c = textures.Eval(detail.normal_map, point.uv, point.p);
+  const Rgb c = textures.Eval(detail.normal_map, point.TextureUv(), point.p);
   Vec3f n = {detail.normal_scale * (2 * c.r - 1), detail.normal_scale * (2 * c.g - 1), 2 * c.b - 1};
   const Frame frame = Frame::FromNormalAndTangent(point.ns, point.dpdu);
   if (detail.y_along_v && Dot(frame.y, derivatives.dpdv) < 0) n.y = -n.y;

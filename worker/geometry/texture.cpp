@@ -20,7 +20,7 @@ struct ImageNode {
   UvMapping mapping;
   ImageWrap wrap = ImageWrap::kRepeat, wrap_t = ImageWrap::kRepeat;
   float scale = 1;
-  bool invert = false, nearest = false, scalar = false;
+  bool invert = false, nearest = false, scalar = false, second_uv = false;
   int channel = -1;  ///< 0 to 2, or -1 for all.
 };
 using TextureNode = std::variant<Rgb, ImageNode, ScaleTexture, MixTexture, CheckerboardTexture>;
@@ -54,8 +54,9 @@ Rgb Texel(const ImageTexels& texels, const DecodeTable& table, int x, int y,
   return x < 0 || y < 0 ? Rgb{} : texels.At(x, y, table);
 }
 
-Rgb LookUp(const ImageTexels& texels, const DecodeTable& table, const ImageNode& node, Vec2f uv) {
-  const Vec2f st = Map(node.mapping, uv);
+Rgb LookUp(const ImageTexels& texels, const DecodeTable& table, const ImageNode& node,
+           SurfaceUv uv) {
+  const Vec2f st = Map(node.mapping, node.second_uv ? uv.second : uv.first);
   const float x = Reduce(st.x, node.wrap) * texels.width;
   const float y = Reduce(1 - st.y, node.wrap_t) * texels.height;
   if (node.nearest)
@@ -112,14 +113,14 @@ struct TextureSet::State {
   std::vector<ImageTexels> images;
   std::vector<DecodeTable> tables;
 
-  Rgb Eval(TextureId id, Vec2f uv, Vec3f p) const;
+  Rgb Eval(TextureId id, SurfaceUv uv, Vec3f p) const;
   Vec2f StepOf(const TextureNode& node, const std::vector<TextureId>& children) const;
   bool IsConstant(TextureId id) const {
     return id == kNoTexture || std::holds_alternative<Rgb>(nodes[id]);
   }
 };
 
-Rgb TextureSet::State::Eval(TextureId id, Vec2f uv, Vec3f p) const {
+Rgb TextureSet::State::Eval(TextureId id, SurfaceUv uv, Vec3f p) const {
   if (id == kNoTexture) return {};
   const TextureNode& node = nodes[id];
   if (const auto* constant = std::get_if<Rgb>(&node)) return *constant;
@@ -136,7 +137,7 @@ Rgb TextureSet::State::Eval(TextureId id, Vec2f uv, Vec3f p) const {
     return (1 - amount) * Eval(mix->a, uv, p) + amount * Eval(mix->b, uv, p);
   }
   const auto& checkerboard = std::get<CheckerboardTexture>(node);
-  return Eval(IsFirstCell(checkerboard, uv, p) ? checkerboard.a : checkerboard.b, uv, p);
+  return Eval(IsFirstCell(checkerboard, uv.first, p) ? checkerboard.a : checkerboard.b, uv, p);
 }
 
 /// Of images a pixel, of others pbrt-v4's step; of what is made of others the smallest of theirs.
@@ -250,6 +251,7 @@ absl::StatusOr<ImageNode> TextureLoader::LoadImage(const ImageTexture& texture,
   node.invert = texture.invert;
   node.nearest = texture.nearest;
   node.scalar = texture.scalar;
+  node.second_uv = texture.second_uv;
   node.channel = texture.channel.value_or(-1);
 
   const auto known = translucent_.find(texture.path);
@@ -326,7 +328,7 @@ absl::StatusOr<std::unique_ptr<TextureSet>> TextureSet::Load(
   return set;
 }
 
-Rgb TextureSet::Eval(TextureId id, Vec2f uv, Vec3f p) const { return state_->Eval(id, uv, p); }
+Rgb TextureSet::Eval(TextureId id, SurfaceUv uv, Vec3f p) const { return state_->Eval(id, uv, p); }
 
 Vec2f TextureSet::Step(TextureId id) const { return state_->steps[id]; }
 

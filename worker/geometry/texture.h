@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "common/status.h"
+#include "worker/geometry/surface_uv.h"
 #include "worker/math/vec.h"
 #include "worker/scene/description.h"
 #include "worker/scene/file_source.h"
@@ -20,7 +21,7 @@ class TextureSet {
   ~TextureSet();
 
   /// `p` is the world-space point, for solid textures. kNoTexture gives black.
-  Rgb Eval(TextureId id, Vec2f uv, Vec3f p) const;
+  Rgb Eval(TextureId id, SurfaceUv uv, Vec3f p) const;
   /// How far apart in u and v to look it up for differences that are about its derivatives.
   Vec2f Step(TextureId id) const;
   /// True when the texture is the same everywhere.

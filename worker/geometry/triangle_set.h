@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "worker/geometry/geometry.h"
@@ -26,6 +27,7 @@ struct TriangleSet {
     uint32_t first_triangle = 0;
     uint32_t normal_offset = kNone;  ///< Added, modulo 2^32, to a vertex index; kNone: no normals.
     uint32_t uv_offset = kNone;
+    uint32_t second_uv_offset = kNone;
   };
 
   std::vector<Vec3f> positions;
@@ -64,13 +66,24 @@ struct TriangleUvs {
   }
   float Determinant() const { return d1.x * d2.y - d1.y * d2.x; }
 };
-inline TriangleUvs UvsOf(const TriangleSet& set, const TriangleSet::Triangle& triangle) {
-  const uint32_t offset = set.shapes[triangle.shape].uv_offset;
+/// `offset` is one of those of the triangle's shape.
+inline TriangleUvs UvsOf(const TriangleSet& set, const TriangleSet::Triangle& triangle,
+                         uint32_t offset) {
   if (offset == TriangleSet::Shape::kNone) return {};
   const Vec2f uv0 = set.uvs[triangle.vertices[0] + offset];
   const Vec2f uv1 = set.uvs[triangle.vertices[1] + offset];
   const Vec2f uv2 = set.uvs[triangle.vertices[2] + offset];
   return {uv0, {uv1.x - uv0.x, uv1.y - uv0.y}, {uv2.x - uv0.x, uv2.y - uv0.y}};
+}
+
+inline TriangleUvs UvsOf(const TriangleSet& set, const TriangleSet::Triangle& triangle) {
+  return UvsOf(set, triangle, set.shapes[triangle.shape].uv_offset);
+}
+inline std::optional<Vec2f> SecondUvAt(const TriangleSet& set,
+                                       const TriangleSet::Triangle& triangle, float u, float v) {
+  const uint32_t offset = set.shapes[triangle.shape].second_uv_offset;
+  if (offset == TriangleSet::Shape::kNone) return std::nullopt;
+  return UvsOf(set, triangle, offset).At(u, v);
 }
 
 /// The point with barycentric coordinates (1 - u - v, u, v) of a triangle, in the set's space.
@@ -109,6 +122,7 @@ inline SurfacePoint PointOnTriangle(const TriangleSet& set, uint32_t primitive, 
 
   const TriangleUvs uvs = UvsOf(set, triangle);
   point.uv = uvs.At(u, v);
+  point.second_uv = SecondUvAt(set, triangle, u, v);
   if (const float determinant = uvs.Determinant(); determinant != 0) {
     point.dpdu = (uvs.d2.y * e1 - uvs.d1.y * e2) / determinant;
     if (!IsFinite(point.dpdu)) point.dpdu = {};

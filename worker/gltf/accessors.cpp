@@ -193,6 +193,18 @@ absl::StatusOr<FloatAttribute> ReadFloats(const GltfDocument& document, int acce
   return attribute;
 }
 
+absl::StatusOr<std::vector<Vec3f>> ReadVectors(const GltfDocument& document, int accessor,
+                                               const std::string& element) {
+  STRATA_ASSIGN_OR_RETURN(const FloatAttribute read, ReadFloats(document, accessor, 3, 3, element));
+  std::vector<Vec3f> vectors(read.Count());
+  for (size_t i = 0; i < vectors.size(); ++i) {
+    vectors[i] = {read.values[3 * i], read.values[3 * i + 1], read.values[3 * i + 2]};
+    if (!IsFinite(vectors[i]))
+      return document.Error(element, absl::StrCat("element ", i, " is not finite"));
+  }
+  return vectors;
+}
+
 absl::StatusOr<std::vector<uint32_t>> ReadIndices(const GltfDocument& document, int accessor,
                                                   const std::string& element) {
   STRATA_ASSIGN_OR_RETURN(const Elements elements, FindElements(document, accessor, 1, 1, element));

@@ -12,7 +12,7 @@
 
 namespace strata {
 
-/// Elements of 1 to 4 numbers, one after the other.
+/// Elements of 1 to 4 numbers, or the 16 of a matrix column by column, one after the other.
 struct FloatAttribute {
   int components = 0;
   std::vector<float> values;
@@ -24,6 +24,10 @@ struct FloatAttribute {
 absl::StatusOr<FloatAttribute> ReadFloats(const GltfDocument& document, int accessor,
                                           int min_components, int max_components,
                                           const std::string& element);
+
+/// An accessor of three numbers; INVALID_ARGUMENT where one is not finite.
+absl::StatusOr<std::vector<Vec3f>> ReadVectors(const GltfDocument& document, int accessor,
+                                               const std::string& element);
 
 /// An accessor of single unsigned integers.
 absl::StatusOr<std::vector<uint32_t>> ReadIndices(const GltfDocument& document, int accessor,

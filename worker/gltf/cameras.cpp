@@ -57,13 +57,12 @@ absl::Status SetCamera(GltfDocument& document, int index, const Transform& to_wo
     const tinygltf::OrthographicCamera& ortho = camera->orthographic;
     if (!(ortho.xmag > 0 && ortho.ymag > 0))
       return document.Error(name + ".orthographic", "xmag and ymag must be above 0");
-    document.Warn(name, "an orthographic camera is replaced by one far away");
     aspect = ortho.xmag / ortho.ymag;
-    // So far behind that the angles are of a thousandth.
-    const double shorter = std::min(ortho.xmag, ortho.ymag), distance = 2000 * shorter;
+    description.kind = CameraKind::kOrthographic;
+    // The shorter edge spans two units of camera space, whatever the picture's shape.
+    const double half_edge = std::min(ortho.xmag, ortho.ymag);
     description.camera_to_world =
-        description.camera_to_world * Transform::Translate(0, 0, -distance);
-    description.fov = ShorterEdgeFov(2 / 2000.0, 1);
+        description.camera_to_world * Transform::Scale(half_edge, half_edge, 1);
   } else {
     return document.Error(name + ".type",
                           StrCat("\"", camera->type, "\" is neither perspective nor orthographic"));

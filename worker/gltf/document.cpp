@@ -27,7 +27,8 @@ struct Extension {
 };
 constexpr std::string_view kUncompressed =
     "its meshes are compressed; write them uncompressed, for example by 'gltf-transform copy'";
-constexpr std::string_view kPlainImages = "its images are KTX2; convert them to PNG or JPEG";
+constexpr std::string_view kPlainImages =
+    "its images are of another format; convert them to PNG or JPEG";
 constexpr std::array kExtensions = {
     Extension{"EXT_mesh_gpu_instancing", true, ""},
     Extension{"KHR_lights_punctual", true, ""},
@@ -41,14 +42,27 @@ constexpr std::array kExtensions = {
     Extension{"KHR_mesh_quantization", true, ""},
     Extension{"KHR_texture_transform", true, ""},
     Extension{"EXT_meshopt_compression", false, kUncompressed},
+    Extension{"EXT_texture_avif", false, kPlainImages},
+    Extension{"EXT_texture_webp", false, kPlainImages},
     Extension{"KHR_draco_mesh_compression", false, kUncompressed},
     Extension{"KHR_texture_basisu", false, kPlainImages},
+    Extension{"MSFT_texture_dds", false, kPlainImages},
 };
 
 const Extension* FindExtension(std::string_view name) {
   const auto found = std::find_if(kExtensions.begin(), kExtensions.end(),
                                   [&](const Extension& e) { return e.name == name; });
   return found == kExtensions.end() ? nullptr : &*found;
+}
+
+/// Files of compressed data may be unsound for one that does not know of them.
+std::string RemedyOf(const std::vector<std::string>& extensions) {
+  for (const std::string& name : extensions) {
+    const Extension* extension = FindExtension(name);
+    if (extension && !extension->supported)
+      return StrCat("; ", name, " is not supported: ", extension->remedy);
+  }
+  return "";
 }
 
 /// tinygltf's words, of which there may be several lines, in one.
@@ -143,7 +157,7 @@ absl::StatusOr<GltfDocument> GltfDocument::Load(const FileSource& source,
   GltfDocument document(source, scene_path);
   document.files.insert(scene_path);
   STRATA_RETURN_IF_ERROR(document.Parse());
-  STRATA_RETURN_IF_ERROR(document.CheckExtensions());
+  document.WarnOfExtensions();
   return document;
 }
 
@@ -172,8 +186,10 @@ absl::Status GltfDocument::Parse() {
   } catch (const std::exception& e) {
     error = e.what();
   }
+  // Files that require an extension may be unsound without it, as those of compressed buffers.
+  STRATA_RETURN_IF_ERROR(CheckRequiredExtensions());
   if (!access.status.ok()) return access.status;
-  if (!understood) return Error("", OneSentence(error));
+  if (!understood) return Error("", StrCat(OneSentence(error), RemedyOf(model_.extensionsUsed)));
   if (!absl::StartsWith(model_.asset.version, "2."))
     return Error("asset.version", StrCat("glTF ", model_.asset.version,
                                          " is not supported; convert the file to glTF 2.0"));
@@ -181,7 +197,7 @@ absl::Status GltfDocument::Parse() {
   return absl::OkStatus();
 }
 
-absl::Status GltfDocument::CheckExtensions() {
+absl::Status GltfDocument::CheckRequiredExtensions() const {
   for (const std::string& name : model_.extensionsRequired) {
     const Extension* extension = FindExtension(name);
     if (extension && extension->supported) continue;
@@ -189,12 +205,15 @@ absl::Status GltfDocument::CheckExtensions() {
                  StrCat(name, " is not supported, and the file requires it",
                         extension ? StrCat(": ", extension->remedy) : "; write it without"));
   }
+  return absl::OkStatus();
+}
+
+void GltfDocument::WarnOfExtensions() {
   for (const std::string& name : model_.extensionsUsed) {
     const Extension* extension = FindExtension(name);
     if (!extension || !extension->supported)
       Warn("extensionsUsed", StrCat(name, " is not supported and left out"));
   }
-  return absl::OkStatus();
 }
 
 absl::Status GltfDocument::Error(const std::string& element, std::string_view text) const {

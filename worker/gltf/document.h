@@ -47,7 +47,8 @@ class GltfDocument {
  private:
   GltfDocument(const FileSource& source, const std::string& scene_path);
   absl::Status Parse();
-  absl::Status CheckExtensions();
+  absl::Status CheckRequiredExtensions() const;
+  void WarnOfExtensions();
 
   const FileSource& source_;
   const std::string file_;

@@ -71,9 +71,13 @@ absl::StatusOr<MaterialMaker::Source> MaterialMaker::Read(int index) {
   return source;
 }
 
-absl::StatusOr<int> MaterialMaker::CoordinateSet(int index) {
+absl::StatusOr<CoordinateSets> MaterialMaker::CoordinatesOf(int index) {
   STRATA_ASSIGN_OR_RETURN(const Source source, Read(index));
-  std::vector<TextureReference> all = {source.base_color, source.metallic_roughness, source.normal,
+  return CoordinatesOf(source);
+}
+
+absl::StatusOr<CoordinateSets> MaterialMaker::CoordinatesOf(const Source& source) {
+  std::vector<TextureReference> all = {source.normal, source.base_color, source.metallic_roughness,
                                        source.emissive};
   for (const auto& [extension, names] :
        std::initializer_list<std::pair<const char*, std::vector<const char*>>>{
@@ -86,20 +90,31 @@ absl::StatusOr<int> MaterialMaker::CoordinateSet(int index) {
       all.push_back(reference);
     }
   }
-  int set = -1;
+  CoordinateSets sets;
   for (const TextureReference& reference : all) {
-    if (reference.index < 0) continue;
-    if (set < 0) set = reference.tex_coord;
-    if (reference.tex_coord != set)
-      document_.Warn(reference.element,
-                     StrCat("TEXCOORD_", reference.tex_coord, " is not supported beside TEXCOORD_",
-                            set, " in one material; the latter is used"));
+    const int set = reference.tex_coord;
+    if (reference.index < 0 || set == sets.first || set == sets.second) continue;
+    if (sets.first < 0) {
+      sets.first = set;
+    } else if (sets.second < 0) {
+      sets.second = set;
+    } else {
+      document_.Warn(reference.element, StrCat("TEXCOORD_", set,
+                                               " is a third set in one material, "
+                                               "of which two are supported; TEXCOORD_",
+                                               sets.first, " is used"));
+    }
   }
-  return set;
+  return sets;
+}
+
+absl::StatusOr<bool> MaterialMaker::IsUnlit(int index) {
+  STRATA_ASSIGN_OR_RETURN(const Source source, Read(index));
+  return source.Extension(document_, kUnlit).present();
 }
 
 absl::StatusOr<SurfaceDescription> MaterialMaker::Make(int index, const VertexColor& vertices) {
-  const bool own = vertices.color != kNoTexture;
+  const bool own = vertices.color != kNoTexture || vertices.alpha != kNoTexture;
   const std::array<float, 4> color = {vertices.constant.r, vertices.constant.g, vertices.constant.b,
                                       vertices.constant_alpha};
   if (const auto made = made_.find({index, color}); !own && made != made_.end())
@@ -113,6 +128,8 @@ absl::StatusOr<SurfaceDescription> MaterialMaker::Make(int index, const VertexCo
 absl::StatusOr<SurfaceDescription> MaterialMaker::Build(const Source& source,
                                                         const VertexColor& vertices) {
   const tinygltf::Material& m = *source.material;
+  STRATA_ASSIGN_OR_RETURN(const CoordinateSets sets, CoordinatesOf(source));
+  textures_.SetSecondCoordinates(sets.second);
   if (m.occlusionTexture.index >= 0)
     document_.Warn(source.element + ".occlusionTexture",
                    "occlusion is left out: the paths find it themselves");
@@ -159,8 +176,10 @@ absl::StatusOr<AlphaMask> MaterialMaker::Alpha(const Source& source, const Verte
   const float factor =
       static_cast<float>(m.pbrMetallicRoughness.baseColorFactor[3]) * vertices.constant_alpha;
   AlphaMask mask;
+  mask.texture = vertices.alpha;
   if (source.base_color.index >= 0) {
-    STRATA_ASSIGN_OR_RETURN(mask.texture, textures_.Alpha(source.base_color));
+    STRATA_ASSIGN_OR_RETURN(const TextureId image, textures_.Alpha(source.base_color));
+    mask.texture = textures_.Product(mask.texture, image);
   }
   if (factor != 1)
     mask.texture = textures_.Product(mask.texture, textures_.Constant(Rgb::Gray(factor)));
@@ -205,10 +224,14 @@ absl::Status MaterialMaker::AddExtensions(const Source& source,
 
   const GltfExtension specular = source.Extension(document_, kSpecular);
   STRATA_ASSIGN_OR_RETURN(const double strength, specular.Number("specularFactor", 1));
+  STRATA_ASSIGN_OR_RETURN(const TextureReference map,
+                          ReferTo(document_, specular, "specularTexture"));
+  if (map.index >= 0) {
+    STRATA_ASSIGN_OR_RETURN(material->specular, textures_.Alpha(map));
+  }
   if (strength != 1)
-    material->specular = textures_.Constant(Rgb::Gray(static_cast<float>(strength)));
-  if (specular.Has("specularTexture"))
-    document_.Warn(specular.element() + ".specularTexture", "it is left out");
+    material->specular = textures_.Product(
+        material->specular, textures_.Constant(Rgb::Gray(static_cast<float>(strength))));
   STRATA_ASSIGN_OR_RETURN(const std::vector<double> color,
                           specular.Numbers("specularColorFactor", {1, 1, 1}));
   STRATA_ASSIGN_OR_RETURN(const TextureReference color_map,

@@ -17,7 +17,13 @@ namespace strata {
 struct VertexColor {
   Rgb constant = {1, 1, 1};
   float constant_alpha = 1;
-  TextureId color = kNoTexture;
+  TextureId color = kNoTexture, alpha = kNoTexture;
+};
+
+/// The sets of texture coordinates that a material looks up, as first and second of its meshes; -1:
+/// none.
+struct CoordinateSets {
+  int first = -1, second = -1;
 };
 
 /// What a primitive's material makes of its surface.
@@ -38,8 +44,11 @@ class MaterialMaker {
   /// the primitive's own.
   absl::StatusOr<SurfaceDescription> Make(int index, const VertexColor& vertices);
 
-  /// The set of texture coordinates that the material looks up, -1 if it has no texture.
-  absl::StatusOr<int> CoordinateSet(int index);
+  /// The first is that of the normal map if there is one, as it makes the tangents. Of a third it
+  /// warns, and has the first instead.
+  absl::StatusOr<CoordinateSets> CoordinatesOf(int index);
+  /// Whether the material emits its base colour.
+  absl::StatusOr<bool> IsUnlit(int index);
 
   TextureMaker& textures() { return textures_; }
   /// Whether something shines at all places, and not by a map alone.
@@ -49,6 +58,7 @@ class MaterialMaker {
   /// A material with the places of its textures, as the file has it.
   struct Source;
   absl::StatusOr<Source> Read(int index);
+  absl::StatusOr<CoordinateSets> CoordinatesOf(const Source& source);
   absl::StatusOr<SurfaceDescription> Build(const Source& source, const VertexColor& vertices);
 
   absl::StatusOr<TextureId> BaseColor(const Source& source, const VertexColor& vertices);

@@ -36,10 +36,11 @@ Triangles Assemble(const std::vector<uint32_t>& indices, int mode) {
 class PrimitiveReader {
  public:
   PrimitiveReader(GltfDocument& document, MaterialMaker& materials,
-                  const tinygltf::Primitive& primitive, std::string element)
+                  const tinygltf::Primitive& primitive, const MeshPose& pose, std::string element)
       : document_(document),
         materials_(materials),
         primitive_(primitive),
+        pose_(pose),
         element_(std::move(element)) {}
 
   /// None where there is nothing to see.
@@ -51,12 +52,11 @@ class PrimitiveReader {
       document_.Warn(element_, "points and lines have no surface and are left out");
       return std::nullopt;
     }
-    if (!primitive_.targets.empty())
-      document_.Warn(element_ + ".targets", "morph targets are left out");
     if (!primitive_.attributes.contains("POSITION")) {
       document_.Warn(element_, "without positions it is left out");
       return std::nullopt;
     }
+    STRATA_RETURN_IF_ERROR(CheckUncompressed());
     STRATA_ASSIGN_OR_RETURN(mesh_.positions, Vectors("POSITION"));
     STRATA_RETURN_IF_ERROR(ReadTriangles(mode));
     if (mesh_.triangles.empty()) return std::nullopt;
@@ -64,10 +64,13 @@ class PrimitiveReader {
       STRATA_ASSIGN_OR_RETURN(mesh_.normals, Vectors("NORMAL"));
       STRATA_RETURN_IF_ERROR(CheckCount("NORMAL", mesh_.normals.size()));
     }
-    STRATA_ASSIGN_OR_RETURN(const int set, materials_.CoordinateSet(primitive_.material));
-    STRATA_RETURN_IF_ERROR(ReadCoordinates(set));
+    STRATA_RETURN_IF_ERROR(ApplyPose(document_, primitive_, pose_, element_, &mesh_));
+    STRATA_ASSIGN_OR_RETURN(const CoordinateSets sets,
+                            materials_.CoordinatesOf(primitive_.material));
+    STRATA_RETURN_IF_ERROR(ReadCoordinates(sets.first, &mesh_.uvs));
+    STRATA_RETURN_IF_ERROR(ReadCoordinates(sets.second, &mesh_.second_uvs));
     VertexColor colors;
-    STRATA_RETURN_IF_ERROR(ReadColors(set >= 0, &colors));
+    STRATA_RETURN_IF_ERROR(ReadColors(sets, &colors));
     STRATA_ASSIGN_OR_RETURN(const SurfaceDescription surface,
                             materials_.Make(primitive_.material, colors));
     ShapeDescription shape;
@@ -84,6 +87,21 @@ class PrimitiveReader {
     return element_ + ".attributes." + attribute;
   }
 
+  /// Accessors without a buffer are full of zeros, but where the data are compressed.
+  absl::Status CheckUncompressed() const {
+    constexpr const char* kDraco = "KHR_draco_mesh_compression";
+    if (!primitive_.extensions.contains(kDraco)) return absl::OkStatus();
+    const std::string element = ElementOf("POSITION");
+    STRATA_ASSIGN_OR_RETURN(
+        const tinygltf::Accessor* positions,
+        document_.Find(document_.model().accessors, primitive_.attributes.at("POSITION"),
+                       "accessor", element));
+    if (positions->bufferView >= 0) return absl::OkStatus();
+    return document_.Error(
+        StrCat(element_, ".extensions.", kDraco),
+        "it is not supported, and there is no uncompressed copy; write the file uncompressed");
+  }
+
   absl::Status CheckCount(const std::string& attribute, size_t count) const {
     if (count == mesh_.positions.size()) return absl::OkStatus();
     return document_.Error(ElementOf(attribute), StrCat("it has ", count, " elements for ",
@@ -91,17 +109,7 @@ class PrimitiveReader {
   }
 
   absl::StatusOr<std::vector<Vec3f>> Vectors(const std::string& attribute) const {
-    const std::string element = ElementOf(attribute);
-    STRATA_ASSIGN_OR_RETURN(
-        const FloatAttribute read,
-        ReadFloats(document_, primitive_.attributes.at(attribute), 3, 3, element));
-    std::vector<Vec3f> vectors(read.Count());
-    for (size_t i = 0; i < vectors.size(); ++i) {
-      vectors[i] = {read.values[3 * i], read.values[3 * i + 1], read.values[3 * i + 2]};
-      if (!IsFinite(vectors[i]))
-        return document_.Error(element, StrCat("element ", i, " is not finite"));
-    }
-    return vectors;
+    return ReadVectors(document_, primitive_.attributes.at(attribute), ElementOf(attribute));
   }
 
   absl::Status ReadTriangles(int mode) {
@@ -124,36 +132,42 @@ class PrimitiveReader {
   }
 
   /// glTF's v points down in the image, ours up.
-  absl::Status ReadCoordinates(int set) {
+  absl::Status ReadCoordinates(int set, std::vector<Vec2f>* uvs) {
     if (set < 0) return absl::OkStatus();
     const std::string attribute = StrCat("TEXCOORD_", set);
     const auto found = primitive_.attributes.find(attribute);
     if (found == primitive_.attributes.end()) {
       document_.Warn(element_, StrCat("its material has textures, but it has no ", attribute,
                                       "; they are looked up at (0, 0)"));
-      mesh_.uvs.assign(mesh_.positions.size(), {0, 1});
+      uvs->assign(mesh_.positions.size(), {0, 1});
       return absl::OkStatus();
     }
     STRATA_ASSIGN_OR_RETURN(const FloatAttribute read,
                             ReadFloats(document_, found->second, 2, 2, ElementOf(attribute)));
     STRATA_RETURN_IF_ERROR(CheckCount(attribute, read.Count()));
-    mesh_.uvs.resize(read.Count());
-    for (size_t i = 0; i < mesh_.uvs.size(); ++i)
-      mesh_.uvs[i] = {read.values[2 * i], 1 - read.values[2 * i + 1]};
+    uvs->resize(read.Count());
+    for (size_t i = 0; i < uvs->size(); ++i)
+      (*uvs)[i] = {read.values[2 * i], 1 - read.values[2 * i + 1]};
     return absl::OkStatus();
   }
 
-  absl::Status ReadColors(bool textured, VertexColor* colors) {
+  absl::Status ReadColors(const CoordinateSets& sets, VertexColor* colors) {
     const auto found = primitive_.attributes.find("COLOR_0");
     if (found == primitive_.attributes.end()) return absl::OkStatus();
     STRATA_ASSIGN_OR_RETURN(const FloatAttribute read,
                             ReadFloats(document_, found->second, 3, 4, ElementOf("COLOR_0")));
     STRATA_RETURN_IF_ERROR(CheckCount("COLOR_0", read.Count()));
+    STRATA_ASSIGN_OR_RETURN(const bool unlit, materials_.IsUnlit(primitive_.material));
     if (const std::optional<VertexColor> same = ConstantColor(read)) {
       *colors = *same;
-    } else if (textured) {
+    } else if (sets.second >= 0) {
       document_.Warn(ElementOf("COLOR_0"),
-                     "vertex colours that vary are not supported beside textures and left out");
+                     "vertex colours that vary are not supported beside two sets of texture "
+                     "coordinates and left out");
+    } else if (sets.first >= 0 && unlit) {
+      document_.Warn(ElementOf("COLOR_0"),
+                     "vertex colours that vary are not supported beside the texture of an unlit "
+                     "material and left out");
     } else if (mesh_.triangles.size() > kMaxColoredTriangles) {
       document_.Warn(ElementOf("COLOR_0"), "vertex colours of so many triangles are left out");
     } else {
@@ -166,6 +180,7 @@ class PrimitiveReader {
   GltfDocument& document_;
   MaterialMaker& materials_;
   const tinygltf::Primitive& primitive_;
+  const MeshPose& pose_;
   const std::string element_;
   TriangleMeshShape mesh_;
 };
@@ -173,7 +188,8 @@ class PrimitiveReader {
 }  // namespace
 
 absl::StatusOr<std::vector<ShapeDescription>> MakeShapes(GltfDocument& document,
-                                                         MaterialMaker& materials, int mesh) {
+                                                         MaterialMaker& materials, int mesh,
+                                                         const MeshPose& pose) {
   STRATA_ASSIGN_OR_RETURN(const tinygltf::Mesh* found,
                           document.Find(document.model().meshes, mesh, "mesh", "nodes"));
   std::vector<ShapeDescription> shapes;
@@ -182,7 +198,7 @@ absl::StatusOr<std::vector<ShapeDescription>> MakeShapes(GltfDocument& document,
         StrCat(ElementName("meshes", mesh), ".", ElementName("primitives", static_cast<int>(i)));
     STRATA_ASSIGN_OR_RETURN(
         std::optional<ShapeDescription> shape,
-        PrimitiveReader(document, materials, found->primitives[i], element).Read());
+        PrimitiveReader(document, materials, found->primitives[i], pose, element).Read());
     if (shape) shapes.push_back(*std::move(shape));
   }
   return shapes;

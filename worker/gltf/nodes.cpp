@@ -116,7 +116,7 @@ absl::Status VisitNodes(GltfDocument& document,
                             "it is reached twice; a node has one parent and is not its own");
     seen[next.node] = true;
     STRATA_ASSIGN_OR_RETURN(const Transform local, LocalTransform(document, *node, element));
-    const PlacedNode placed = {node, element, next.parent * local};
+    const PlacedNode placed = {node, next.node, element, next.parent * local};
     if (!placed.to_world.IsFinite())
       return document.Error(element, "with the nodes above it its transform is not finite");
     STRATA_RETURN_IF_ERROR(visit(placed));

@@ -10,6 +10,7 @@ namespace strata {
 /// A node as it stands in the world.
 struct PlacedNode {
   const tinygltf::Node* node;
+  int index;
   std::string element;
   Transform to_world;
 };

@@ -10,6 +10,7 @@
 
 #include "common/text.h"
 #include "worker/gltf/cameras.h"
+#include "worker/gltf/deform.h"
 #include "worker/gltf/document.h"
 #include "worker/gltf/lights.h"
 #include "worker/gltf/materials.h"
@@ -42,10 +43,15 @@ class SceneMaker {
         DiffuseMaterial{materials_.textures().Constant(Rgb::Gray(0.5f))});
     STRATA_ASSIGN_OR_RETURN(viewpoint_, ParseViewpoint(options_.camera));
     if (!document_.model().animations.empty())
-      document_.Warn("animations", "nothing moves: nodes stand as their transforms say");
+      document_.Warn("animations",
+                     "animations are not played: all is rendered in its rest pose, as transforms "
+                     "and weights of the nodes say");
+    node_to_world_.resize(document_.model().nodes.size());
     STRATA_RETURN_IF_ERROR(
         VisitNodes(document_, [&](const PlacedNode& placed) { return Visit(placed); }));
     STRATA_RETURN_IF_ERROR(PlaceMeshes());
+    if (document_.scene.shapes.empty() && document_.scene.instances.empty())
+      document_.Warn("scene", "there is no surface in it: nothing is seen but the environment");
     STRATA_RETURN_IF_ERROR(FinishCamera());
     FinishLights();
     return absl::OkStatus();
@@ -57,15 +63,26 @@ class SceneMaker {
     std::string element;
     Transform to_world;
   };
+  /// Nodes whose shapes are the same: of one mesh, skin (-1: none) and weights of morph targets.
+  struct Model {
+    int mesh, skin;
+    std::vector<double> weights;
+    auto operator<=>(const Model&) const = default;
+  };
 
   absl::Status Visit(const PlacedNode& placed) {
     const tinygltf::Node& node = *placed.node;
-    if (node.skin >= 0) document_.Warn(placed.element + ".skin", "skins are left out");
+    node_to_world_[static_cast<size_t>(placed.index)] = placed.to_world;
     if (node.mesh >= 0) {
+      STRATA_ASSIGN_OR_RETURN(
+          const tinygltf::Mesh* mesh,
+          document_.Find(document_.model().meshes, node.mesh, "mesh", placed.element + ".mesh"));
       STRATA_ASSIGN_OR_RETURN(const std::vector<Transform> instances,
                               InstancesOf(document_, placed));
+      std::vector<Placement>& placements =
+          placements_[{node.mesh, node.skin, node.weights.empty() ? mesh->weights : node.weights}];
       for (const Transform& instance : instances)
-        placements_[node.mesh].push_back({placed.element, placed.to_world * instance});
+        placements.push_back({placed.element, placed.to_world * instance});
     }
     STRATA_RETURN_IF_ERROR(AddLight(document_, node, placed.to_world, placed.element));
     const bool wanted =
@@ -78,9 +95,17 @@ class SceneMaker {
   /// A mesh of one node is shapes of the world, one of several an object with instances.
   absl::Status PlaceMeshes() {
     SceneDescription& scene = document_.scene;
-    for (const auto& [mesh, placements] : placements_) {
+    for (auto& [model, placements] : placements_) {
+      MeshPose pose{.weights = model.weights};
+      if (model.skin >= 0) {
+        STRATA_ASSIGN_OR_RETURN(auto joints, JointsOf(document_, model.skin, node_to_world_,
+                                                      placements.front().element + ".skin"));
+        // All nodes of a skin show the same, where its joints are.
+        if (joints) placements = {{placements.front().element, Transform{}}};
+        pose.joints = std::move(joints).value_or(std::vector<Transform>{});
+      }
       STRATA_ASSIGN_OR_RETURN(std::vector<ShapeDescription> shapes,
-                              MakeShapes(document_, materials_, mesh));
+                              MakeShapes(document_, materials_, model.mesh, pose));
       std::vector<const Placement*> sound;
       for (const Placement& placement : placements) {
         if (placement.to_world.Inverse()) {
@@ -99,7 +124,7 @@ class SceneMaker {
         continue;
       }
       const auto object = static_cast<int32_t>(scene.objects.size());
-      scene.objects.push_back({ElementName("meshes", mesh), std::move(shapes)});
+      scene.objects.push_back({ElementName("meshes", model.mesh), std::move(shapes)});
       for (const Placement* placement : sound)
         scene.instances.push_back({document_.At(placement->element), object, placement->to_world});
     }
@@ -136,7 +161,8 @@ class SceneMaker {
   GltfDocument& document_;
   const SceneOptions& options_;
   MaterialMaker materials_;
-  std::map<int, std::vector<Placement>> placements_;  ///< By mesh.
+  std::map<Model, std::vector<Placement>> placements_;
+  std::vector<std::optional<Transform>> node_to_world_;  ///< Of the nodes in the scene.
   std::optional<Viewpoint> viewpoint_;
   bool has_camera_ = false;
 };

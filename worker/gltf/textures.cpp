@@ -151,6 +151,7 @@ absl::StatusOr<ImageTexture> TextureMaker::Image(const TextureReference& referen
   const std::string name = ElementName("textures", reference.index);
   ImageTexture image;
   image.mapping = reference.mapping;
+  image.second_uv = second_set_ >= 0 && reference.tex_coord == second_set_;
   image.where = document_.At(name);
   if (texture->sampler >= 0) {
     STRATA_ASSIGN_OR_RETURN(

@@ -35,6 +35,10 @@ class TextureMaker {
  public:
   explicit TextureMaker(GltfDocument& document) : document_(document) {}
 
+  /// The set of texture coordinates that is the second of the meshes whose textures come next, -1
+  /// if they have no second.
+  void SetSecondCoordinates(int set) { second_set_ = set; }
+
   TextureId Constant(Rgb value);
   /// An image of colours, sRGB unless `linear`.
   absl::StatusOr<TextureId> Color(const TextureReference& reference, bool linear = false);
@@ -51,6 +55,7 @@ class TextureMaker {
   absl::Status SetImage(int image, const std::string& element, ImageTexture* texture);
 
   GltfDocument& document_;
+  int second_set_ = -1;
   std::map<int, std::shared_ptr<const EmbeddedImage>> embedded_;  ///< By image.
 };
 

@@ -40,7 +40,10 @@ VertexColor PaintTriangles(const FloatAttribute& colors, const SourceLocation& w
   image.channels = kChannels;
   image.values.resize(size_t{4} * columns * rows * kChannels);
 
+  const bool second = !mesh->uvs.empty();
   TriangleMeshShape apart;
+  std::vector<Vec2f>& image_uvs = second ? apart.second_uvs : apart.uvs;
+  bool opaque = true;
   for (size_t t = 0; t < count; ++t) {
     const size_t x = 2 * (t % columns), y = 2 * (t / columns);
     // Texels in the order of the corners: upper left, upper right, lower left.
@@ -52,11 +55,13 @@ VertexColor PaintTriangles(const FloatAttribute& colors, const SourceLocation& w
       const uint32_t vertex = mesh->triangles[t][corner];
       for (int c = 0; c < kChannels; ++c)
         texel(kTexelX[corner], kTexelY[corner])[c] = At(colors, vertex, c);
+      opaque &= At(colors, vertex, 3) == 1;
       apart.positions.push_back(mesh->positions[vertex]);
       if (!mesh->normals.empty()) apart.normals.push_back(mesh->normals[vertex]);
+      if (second) apart.uvs.push_back(mesh->uvs[vertex]);
       const double s = (static_cast<double>(x + kTexelX[corner]) + 0.5) / image.width;
       const double t_down = (static_cast<double>(y + kTexelY[corner]) + 0.5) / image.height;
-      apart.uvs.push_back({static_cast<float>(s), static_cast<float>(1 - t_down)});
+      image_uvs.push_back({static_cast<float>(s), static_cast<float>(1 - t_down)});
     }
     for (int c = 0; c < kChannels; ++c)
       texel(1, 1)[c] = texel(1, 0)[c] + texel(0, 1)[c] - texel(0, 0)[c];
@@ -70,9 +75,13 @@ VertexColor PaintTriangles(const FloatAttribute& colors, const SourceLocation& w
   texture.where = where;
   texture.wrap = ImageWrap::kClamp;
   texture.encoding = ImageEncoding::kLinear;
+  texture.second_uv = second;
   texture.embedded = std::make_shared<const EmbeddedImage>(std::move(image));
   VertexColor color;
-  color.color = textures.Add(std::move(texture));
+  color.color = textures.Add(texture);
+  if (opaque) return color;
+  texture.alpha = true;
+  color.alpha = textures.Add(std::move(texture));
   return color;
 }
 

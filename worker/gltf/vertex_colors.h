@@ -15,8 +15,8 @@ std::optional<VertexColor> ConstantColor(const FloatAttribute& colors);
 
 /// Colours of vertices, interpolated linearly over each triangle, as textures: each triangle has
 /// 2x2 texels of a float image of their own, at whose centres lie three corners; the fourth texel
-/// is such that the bilinear lookup is linear. Gives the mesh the texture coordinates of that
-/// image, in which no two triangles share a vertex.
+/// is such that the bilinear lookup is linear. Gives the mesh, in which no two triangles share a
+/// vertex then, the texture coordinates of that image: as its second ones if it has some already.
 VertexColor PaintTriangles(const FloatAttribute& colors, const SourceLocation& where,
                            TriangleMeshShape* mesh, TextureMaker& textures);
 

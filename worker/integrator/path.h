@@ -219,8 +219,8 @@ class PathTracer {
     vertex.wo = vertex.frame.ToLocal(vertex.wo_world);
     vertex.bsdf = materials.Constant(point.material);
     if (vertex.bsdf) return;
-    vertex.bsdf = &materials.Evaluate(point.material, point.uv, point.p, Get2D(depth, kPairLobe).y,
-                                      &bsdf_room_);
+    vertex.bsdf = &materials.Evaluate(point.material, point.TextureUv(), point.p,
+                                      Get2D(depth, kPairLobe).y, &bsdf_room_);
   }
 
   void DescribeFirstHit(const PathVertex& vertex) {

@@ -216,7 +216,7 @@ class PathLanes {
       frame_.Set(lane, path_detail::ShadingFrame(point, wo, false));
     }
     if (constant) return *constant;
-    return materials.Evaluate(id, point.uv, point.p, u_mix(), &varying_[lane]);
+    return materials.Evaluate(id, point.TextureUv(), point.p, u_mix(), &varying_[lane]);
   }
 
   void DescribeFirstHit(int lane, Vec3f wo) {

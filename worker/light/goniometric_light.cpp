@@ -12,9 +12,24 @@
 namespace strata {
 namespace {
 
-/// Of a diagram made from an IES file: pixels of 0.4 degrees, finer than any such file's angles.
-constexpr int kIesSize = 512;
+/// Of a diagram that is resampled: pixels of 0.4 degrees, finer than any IES file's angles.
+constexpr int kResampledSize = 512;
 constexpr uint64_t kMaxIesBytes = uint64_t{1} << 24;
+
+/// The diagram of an intensity by direction.
+template <typename F>
+Diagram Resampled(F intensity) {
+  std::vector<float> values;
+  values.reserve(size_t{kResampledSize} * kResampledSize);
+  for (int y = 0; y < kResampledSize; ++y) {
+    for (int x = 0; x < kResampledSize; ++x) {
+      values.push_back(
+          intensity(EqualAreaSquareToSphere({(static_cast<float>(x) + 0.5f) / kResampledSize,
+                                             (static_cast<float>(y) + 0.5f) / kResampledSize})));
+    }
+  }
+  return Diagram(kResampledSize, std::move(values));
+}
 
 absl::StatusOr<Diagram> LoadIes(const std::string& path, const FileSource& source) {
   STRATA_ASSIGN_OR_RETURN(const std::filesystem::path local, source.Locate(path));
@@ -25,15 +40,25 @@ absl::StatusOr<Diagram> LoadIes(const std::string& path, const FileSource& sourc
   std::ifstream file(local, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   STRATA_ASSIGN_OR_RETURN(const IesProfile profile, IesProfile::Parse(text, path));
-  std::vector<float> values;
-  values.reserve(size_t{kIesSize} * kIesSize);
-  for (int y = 0; y < kIesSize; ++y) {
-    for (int x = 0; x < kIesSize; ++x) {
-      values.push_back(profile.Candelas(EqualAreaSquareToSphere(
-          {(static_cast<float>(x) + 0.5f) / kIesSize, (static_cast<float>(y) + 0.5f) / kIesSize})));
-    }
-  }
-  return Diagram(kIesSize, std::move(values));
+  return Resampled([&](Vec3f d) { return profile.Candelas(d); });
+}
+
+/// An image by latitude and longitude, interpolated between the centres of its pixels.
+Diagram FromLatLong(const LightImage& image) {
+  return Resampled([&](Vec3f d) {
+    const Vec2f st = LatLongSphereToSquare(d);
+    const float x = st.x * static_cast<float>(image.width) - 0.5f;
+    const float y = st.y * static_cast<float>(image.height) - 0.5f;
+    const float left = std::floor(x), top = std::floor(y);
+    const auto pixel = [&](int dx, int dy) {
+      const int column = (static_cast<int>(left) + dx + image.width) % image.width;
+      const int row = std::clamp(static_cast<int>(top) + dy, 0, image.height - 1);
+      return Average(image.pixels[static_cast<size_t>(row) * image.width + column]);
+    };
+    const float fx = x - left, fy = y - top;
+    return (1 - fy) * ((1 - fx) * pixel(0, 0) + fx * pixel(1, 0)) +
+           fy * ((1 - fx) * pixel(0, 1) + fx * pixel(1, 1));
+  });
 }
 
 /// The pixel at (x, y), at most one beyond the square. What goes out at an edge comes back in at
@@ -52,9 +77,11 @@ float PixelAt(const std::vector<float>& values, int size, int x, int y) {
 
 }  // namespace
 
-absl::StatusOr<Diagram> Diagram::Load(const std::string& path, const FileSource& source) {
+absl::StatusOr<Diagram> Diagram::Load(const std::string& path, EnvironmentMapping mapping,
+                                      const FileSource& source) {
   if (IsIesFile(path)) return LoadIes(path, source);
   STRATA_ASSIGN_OR_RETURN(const LightImage image, ReadLightImage(path, 1, source));
+  if (mapping == EnvironmentMapping::kLatLong) return FromLatLong(image);
   STRATA_RETURN_IF_ERROR(CheckEqualArea(image, path));
   std::vector<float> values;
   for (const Rgb& pixel : image.pixels) values.push_back(Average(pixel));

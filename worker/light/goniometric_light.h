@@ -19,9 +19,11 @@ namespace strata {
 /// the square's edges too.
 struct Diagram {
   /// Reads an image, of which the mean of the channels counts, or an IES file (*.ies; see ies.h),
-  /// whose candelas are taken as they are. INVALID_ARGUMENT with the path (and line) when it is not
-  /// square, holds negative or non-finite values, or is malformed.
-  static absl::StatusOr<Diagram> Load(const std::string& path, const FileSource& source);
+  /// whose candelas are taken as they are. What is not in the equal-area layout is resampled.
+  /// INVALID_ARGUMENT with the path (and line) when an image of that layout is not square, holds
+  /// negative or non-finite values, or is malformed.
+  static absl::StatusOr<Diagram> Load(const std::string& path, EnvironmentMapping mapping,
+                                      const FileSource& source);
 
   /// `values` holds size * size intensities, row 0 first.
   Diagram(int size, std::vector<float> values);

@@ -21,7 +21,8 @@ absl::Status CheckLightFile(const LightDescription& light, const FileSource& sou
   if (const auto* projection = std::get_if<ProjectionLightDescription>(&light.light))
     return Projection::Load(*projection, source).status();
   if (const auto* lamp = std::get_if<GoniometricLightDescription>(&light.light)) {
-    STRATA_ASSIGN_OR_RETURN(const Diagram diagram, Diagram::Load(lamp->path, source));
+    STRATA_ASSIGN_OR_RETURN(const Diagram diagram,
+                            Diagram::Load(lamp->path, lamp->mapping, source));
     return MakeGoniometricLight(*lamp, diagram).status();
   }
   return absl::OkStatus();

@@ -101,9 +101,9 @@ absl::StatusOr<std::optional<PlacedLight>> LightSet::MakePlaced(const LightDescr
     return MakeProjectionLight(*projection, *projections_.back());
   }
   const auto& lamp = std::get<GoniometricLightDescription>(description.light);
-  std::unique_ptr<Diagram>& diagram = diagrams_[lamp.path];
+  std::unique_ptr<Diagram>& diagram = diagrams_[{lamp.path, lamp.mapping}];
   if (!diagram) {
-    STRATA_ASSIGN_OR_RETURN(Diagram loaded, Diagram::Load(lamp.path, source));
+    STRATA_ASSIGN_OR_RETURN(Diagram loaded, Diagram::Load(lamp.path, lamp.mapping, source));
     diagram = std::make_unique<Diagram>(std::move(loaded));
   }
   return MakeGoniometricLight(lamp, *diagram);

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/status.h"
@@ -101,7 +102,8 @@ class LightSet {
   std::vector<std::unique_ptr<PortalImage>> portals_;
   std::vector<std::unique_ptr<TexturedSurface>> textured_;
   std::vector<std::unique_ptr<Projection>> projections_;
-  std::map<std::string, std::unique_ptr<Diagram>> diagrams_;  ///< By path.
+  /// By path and mapping.
+  std::map<std::pair<std::string, EnvironmentMapping>, std::unique_ptr<Diagram>> diagrams_;
   std::vector<Group> groups_;
   std::vector<Place> places_;  ///< Of each light.
   LightTree tree_;

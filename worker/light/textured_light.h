@@ -43,13 +43,13 @@ struct TexturedSurface {
   Rgb mean;  ///< Of Factor, at the points of a grid.
 
   /// What multiplies the radiance; never negative.
-  Rgb Factor(Vec2f at_uv, Vec3f p) const {
+  Rgb Factor(SurfaceUv at_uv, Vec3f p) const {
     const Rgb value = textures->Eval(texture, at_uv, p);
     return {std::max(value.r, 0.0f), std::max(value.g, 0.0f), std::max(value.b, 0.0f)};
   }
   Rgb Factor(Vec3f p) const {
     const Vec2f at_uv = std::visit([&](const auto& map) { return map.At(p); }, uv);
-    return Factor(at_uv, p);
+    return Factor(SurfaceUv(at_uv), p);
   }
 };
 
@@ -61,7 +61,7 @@ struct TexturedLight {
 inline Rgb Le(const TexturedLight& light, const SurfacePoint& point, Vec3f wo) {
   const Rgb plain =
       std::visit([&](const auto& l) { return Le(l, point.ng, wo); }, light.surface->plain);
-  return IsBlack(plain) ? plain : plain * light.surface->Factor(point.uv, point.p);
+  return IsBlack(plain) ? plain : plain * light.surface->Factor(point.TextureUv(), point.p);
 }
 
 inline float PdfLi(const TexturedLight& light, Vec3f from, const EmissionHit& hit) {

@@ -7,6 +7,7 @@ namespace strata {
 
 struct Vec2f {
   float x = 0, y = 0;
+  bool operator==(const Vec2f&) const = default;
 };
 
 struct Vec3f {

@@ -168,8 +168,6 @@ absl::Status SceneParser::Shape() {
   STRATA_ASSIGN_OR_RETURN(std::optional<ShapeGeometry> geometry,
                           ReadShape(type, parameters, context_));
   if (!geometry || !alpha) return absl::OkStatus();
-  if (alpha->texture != kNoTexture && std::holds_alternative<CurveShape>(*geometry))
-    context_.Warn(Here(), "\"alpha\" of curves is not supported; they are opaque");
   const bool moves = state_.ctm.Moves() && !open_object_;
   if (open_object_) WarnOfMotion("a shape of an object");
   STRATA_RETURN_IF_ERROR(CheckPlacement(*geometry, state_.ctm.start, Here()));

@@ -102,6 +102,18 @@ absl::StatusOr<std::string> ReadLightFile(ParameterReader& parameters, ReadConte
   return context.AddFile(name, parameters.where());
 }
 
+/// "mapping", of Strata alone: how the light's image holds all directions.
+EnvironmentMapping ReadMapping(ParameterReader& parameters) {
+  const std::string mapping = parameters.String("mapping", "equalarea");
+  if (mapping == "equirectangular") return EnvironmentMapping::kLatLong;
+  if (mapping != "equalarea") {
+    parameters.Fail(parameters.where(), StrCat("unknown mapping \"", mapping,
+                                               "\" of a light's image; use equalarea or "
+                                               "equirectangular"));
+  }
+  return EnvironmentMapping::kEqualArea;
+}
+
 absl::Status CheckLightPlacement(const Transform& world_from_light, const SourceLocation& where) {
   if (world_from_light.Inverse() && IsFinite(world_from_light.Point({}))) return absl::OkStatus();
   return ErrorAt(where, "the light's transform cannot be inverted, or leads to no finite place");
@@ -137,6 +149,7 @@ absl::StatusOr<LightDescription> ReadGoniometric(const Transform& world_from_lig
       ColorParameter(parameters, "I", Rgb::Gray(1), SpectrumUse::kIlluminant, color_space, context);
   lamp.intensity = Scaled(parameters, intensity, Scale(parameters));
   lamp.power = Level(parameters, "power");
+  lamp.mapping = ReadMapping(parameters);
   STRATA_ASSIGN_OR_RETURN(lamp.path, ReadLightFile(parameters, context));
   return LightDescription{where, std::move(lamp)};
 }
@@ -193,10 +206,11 @@ absl::StatusOr<LightDescription> ReadInfinite(const Transform& world_from_light,
                     StrCat("the \"portal\" has ", portal.size(), " corners; a rectangle has 4"));
   }
   const std::string name = parameters.String("filename", "");
+  const EnvironmentMapping mapping = ReadMapping(parameters);
   STRATA_RETURN_IF_ERROR(parameters.Finish(context.warnings));
   STRATA_ASSIGN_OR_RETURN(std::string path, context.AddFile(name, where));
-  ImageInfiniteLightDescription sky = {std::move(path), world_from_light,
-                                       static_cast<float>(scale)};
+  ImageInfiniteLightDescription sky = {std::move(path), world_from_light, static_cast<float>(scale),
+                                       mapping};
   // As in pbrt-v4, whatever the light's own space is.
   if (!portal.empty()) {
     sky.portal = {ToDouble(portal[0]), ToDouble(portal[1]), ToDouble(portal[2]),

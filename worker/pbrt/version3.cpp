@@ -133,7 +133,7 @@ class Translation {
     if (directive_ == "Camera" && from_ == "environment")
       Add("mapping", "string").strings = {"equirectangular"};
     if (directive_ == "Shape") PairTextureCoordinates();
-    return CheckMap();
+    return directive_ == "LightSource" ? TranslateLight() : absl::OkStatus();
   }
 
  private:
@@ -283,13 +283,36 @@ class Translation {
     uv->type = "point2";
   }
 
-  /// Light images of v3 lie by latitude and longitude, those of v4 in an equal-area square.
-  absl::Status CheckMap() {
-    const Parameter* map = directive_ == "LightSource" ? Find("mapname") : nullptr;
+  /// v3's "scale" is a colour. Its images of all directions lie by latitude and longitude and are
+  /// multiplied by "L", too.
+  absl::Status TranslateLight() {
+    STRATA_RETURN_IF_ERROR(TakeGray("scale"));
+    Parameter* map = Find("mapname");
     if (!map) return absl::OkStatus();
-    return ErrorAt(map->where,
-                   "pbrt-v3's \"mapname\" of a light is not supported; convert the image with "
-                   "'imgtool makeequiarea' and name it by \"filename\"");
+    Note(map->where, "\"mapname\" of LightSource", "\"filename\"");
+    map->name = "filename";
+    if (type_ == "infinite") STRATA_RETURN_IF_ERROR(TakeGray("L"));
+    if (type_ == "infinite" || type_ == "goniometric")
+      Add("mapping", "string").strings = {"equirectangular"};
+    if (type_ == "projection" && !Find("fov")) Add("fov", "float").numbers = {45};
+    return absl::OkStatus();
+  }
+
+  /// Makes a colour a part of the number "scale".
+  absl::Status TakeGray(std::string_view name) {
+    const Parameter* color = Find(name);
+    if (!color || (color->type != "rgb" && color->type != "spectrum" && color->type != "blackbody"))
+      return absl::OkStatus();
+    const std::vector<double> c = color->numbers;
+    if (color->type != "rgb" || c.size() != 3 || c[0] != c[1] || c[1] != c[2])
+      return ErrorAt(color->where, StrCat("pbrt-v3's coloured \"", name,
+                                          "\" of a light is not supported here; use a gray one"));
+    Note(color->where, StrCat("\"", name, "\" of LightSource"), "a part of \"float scale\"");
+    Remove(name);
+    if (!Find("scale")) Add("scale", "float").numbers = {1};
+    Parameter* scale = Find("scale");
+    if (scale->numbers.size() == 1) scale->numbers[0] *= c[0];
+    return absl::OkStatus();
   }
 
   const std::string_view directive_;

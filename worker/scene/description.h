@@ -76,6 +76,7 @@ struct ImageTexture {
   std::optional<ImageWrap> wrap_t = std::nullopt;  ///< Along t, where it is not `wrap`.
   /// 0 to 2: that channel alone, in all of r, g, b.
   std::optional<int> channel = std::nullopt;
+  bool second_uv = false;  ///< Looked up by the second texture coordinates of meshes that have any.
 };
 struct ScaleTexture {
   TextureId texture = kNoTexture, scale = kNoTexture;
@@ -198,6 +199,8 @@ struct TriangleMeshShape {
   std::vector<std::array<uint32_t, 3>> triangles;
   /// Bundle path of a PLY file that all this is yet to be read from; empty once the reader is done.
   std::string unread_file;
+  /// Empty, or one for each position: see ImageTexture::second_uv. Tangents are those of `uvs`.
+  std::vector<Vec2f> second_uvs;
 };
 struct SphereShape {
   float radius = 1, z_min = -1, z_max = 1, phi_max = 360;
@@ -231,8 +234,9 @@ using ShapeGeometry = std::variant<TriangleMeshShape, SphereShape, DiskShape, Cy
 struct AreaEmission {
   Rgb radiance;
   bool two_sided = false;
-  TextureId texture = kNoTexture;  ///< If set: multiplies the radiance, at the point's (u, v). What
-                                   ///< is negative in it counts as 0.
+  /// If set: multiplies the radiance, at the point's (u, v). What is negative in it counts as 0.
+  /// Its images are all of one pair of texture coordinates.
+  TextureId texture = kNoTexture;
 };
 
 /// Which part of a surface is there: a ray that meets a point goes on with the probability 1 -
@@ -240,6 +244,7 @@ struct AreaEmission {
 struct AlphaMask {
   TextureId texture = kNoTexture;  ///< r is alpha; kNoTexture: 1 everywhere.
   std::optional<float> cutoff;     ///< If set, alpha counts as 1 from here on and as 0 below.
+  bool operator==(const AlphaMask&) const = default;
 };
 
 struct ShapeDescription {
@@ -285,12 +290,17 @@ struct ProjectionLightDescription {
   float scale = 1;
   std::optional<double> power;  ///< If set: luminance of the power, whatever the scale.
 };
+/// How an image holds all directions: pbrt-v4's equal-area octahedral layout, or latitude and
+/// longitude. kByShape: the former where the image is square, else the latter.
+enum class EnvironmentMapping { kEqualArea, kLatLong, kByShape };
 /// A measured lamp. Light space: y up.
 struct GoniometricLightDescription {
-  std::string path;  ///< In the bundle: pbrt-v4's equal-area octahedral layout, or *.ies.
+  std::string path;  ///< In the bundle: an image or *.ies.
   Transform to_world;
   Rgb intensity;                ///< Multiplies the diagram's.
   std::optional<double> power;  ///< If set: luminance of the power, whatever the intensity's.
+  /// Of an image, whose third axis is the light's y; not kByShape.
+  EnvironmentMapping mapping = EnvironmentMapping::kEqualArea;
 };
 struct DistantLightDescription {
   Vec3f direction;  ///< World, unit, from the scene towards the light.
@@ -299,10 +309,8 @@ struct DistantLightDescription {
 struct ConstantInfiniteLightDescription {
   Rgb radiance;
 };
-/// kByShape: equal-area where the image is square, else latitude and longitude.
-enum class EnvironmentMapping { kEqualArea, kLatLong, kByShape };
 struct ImageInfiniteLightDescription {
-  std::string path;  ///< In the bundle; pbrt-v4's equal-area octahedral layout unless lat-long.
+  std::string path;  ///< In the bundle.
   Transform to_world;
   float scale = 1;
   EnvironmentMapping mapping = EnvironmentMapping::kEqualArea;
