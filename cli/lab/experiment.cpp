@@ -33,6 +33,10 @@ constexpr std::array kExperiments = {
                "Veach's plates by light sampling, BSDF sampling and both under multiple importance "
                "sampling.",
                "samples for each pixel", 32, false, RunMis},
+    Experiment{"roulette",
+               "Russian roulette with several q on a costly part of an estimate that matters "
+               "little, and on one that matters.",
+               "estimates for each row", 100000, true, RunRoulette},
     Experiment{"filter",
                "A pixel at an edge by weighted averages, which are biased, and by filter "
                "importance sampling, which is not.",

@@ -83,6 +83,7 @@ absl::StatusOr<Outcome> RunImportance(const Settings& settings);
 absl::StatusOr<Outcome> RunIrradiance(const Settings& settings);
 absl::StatusOr<Outcome> RunAreaLight(const Settings& settings);
 absl::StatusOr<Outcome> RunMis(const Settings& settings);
+absl::StatusOr<Outcome> RunRoulette(const Settings& settings);
 absl::StatusOr<Outcome> RunFilter(const Settings& settings);
 
 }  // namespace strata::lab

@@ -11,7 +11,7 @@ namespace strata::lab {
 namespace {
 
 TEST(Experiments, HaveNamesSentencesAndTheSameNumbersEachTime) {
-  EXPECT_EQ(Experiments().size(), 7u);
+  EXPECT_EQ(Experiments().size(), 8u);
   EXPECT_EQ(FindExperiment("no-such"), nullptr);
   for (const Experiment& experiment : Experiments()) {
     EXPECT_EQ(std::string_view(experiment.sentence).back(), '.') << experiment.name;
@@ -103,6 +103,23 @@ TEST(MisExperiment, IsNearTheBetterStrategyEverywhereAndUnbiased) {
       EXPECT_LT(error, 0.1 * mean) << "the test says nothing";
     }
   }
+}
+
+TEST(RouletteExperiment, KeepsTheMeanAndHasTheVarianceOfTheory) {
+  constexpr double kSamples = 20000;
+  const Records records = RecordsOf("roulette", static_cast<int64_t>(kSamples));
+  EXPECT_EQ(records.rows.size(), 24u);
+  for (const std::vector<Cell>& row : records.rows) {
+    const std::vector<std::string> labels = {ToText(row[0]), ToText(row[1]), ToText(row[2])};
+    const double theory = records.Number(labels, kTheory);
+    EXPECT_NEAR(records.Number(labels, "mean"), records.Number(labels, "truth"),
+                4 * std::sqrt(theory / kSamples));
+    // The 3 % that survive q = 0.97 are few.
+    EXPECT_RATIO(records.Number(labels, kVariance), theory, labels[2] == "0.97" ? 0.2 : 0.1);
+  }
+  // c = mean adds next to nothing, c = 0 adds q / (1 - q) w^2.
+  EXPECT_NEAR(records.Number({"1", "0", "0.5"}, kTheory), 1 + 2.0 / 64 + 1, 1e-9);
+  EXPECT_NEAR(records.Number({"1", "1", "0.5"}, kTheory), 1 + 2.0 / 64, 1e-9);
 }
 
 TEST(FilterExperiment, TheWeightedAverageIsBiasedAndTheOthersAreNot) {
