@@ -53,6 +53,11 @@ struct Plot {
 struct Picture {
   int width = 0, height = 0;
   std::vector<float> rgb;
+
+  static Picture White(int width, int height);
+  /// Copies rows of grey values, each times `scale`, to where their left upper corner lies at
+  /// (left, top).
+  void Place(std::span<const double> greys, int greys_width, int left, int top, double scale = 1);
 };
 
 struct Outcome {

@@ -62,13 +62,10 @@ absl::StatusOr<Outcome> RunRoulette(const Settings& settings) {
   outcome.caption = "Efficiency against q, relative to q = 0.";
   outcome.remarks = {
       "F' = (F - q c) / (1 - q), or c with probability q, has the mean of F and more variance "
-      "(PBRT "
-      "2.2.4): roulette pays by the time it saves. It does where the part it plays for is costly "
-      "and "
-      "matters little.",
+      "(PBRT 2.2.4): roulette pays by the time it saves. It does where the part it plays for is "
+      "costly and matters little.",
       "Where F matters as much as the rest, the variance that a large q adds eats up the time "
-      "saved, "
-      "unless c is near the mean of F: then what is lost is next to nothing."};
+      "saved, unless c is near the mean of F: then what is lost is next to nothing."};
   return outcome;
 }
 
