@@ -114,8 +114,10 @@ inline PlaneTestResult TestPlane(const PlaneCase& c, int samples, double error, 
     ++observed[p ? FindCell(y_edges, p->y) * columns + FindCell(x_edges, p->x) : expected.size()];
   }
   const double none = samples * std::max(0.0, 1 - result.integral);
-  // Rounding of the integral is no expectation.
-  if (none < 0.001 * std::sqrt(static_cast<double>(samples)) + 5 && observed.back() < 5) {
+  // The quadrature's error in all cells is no expectation, as in TestDirections.
+  const double unsure = direction_test_detail::kQuadratureError *
+                        std::sqrt(static_cast<double>(expected.size()) * samples);
+  if (none < unsure + 5 && observed.back() < 5) {
     observed.pop_back();
   } else {
     expected.push_back(none);
