@@ -22,7 +22,7 @@ picture() {
 picture cornell-box/cornell-box.pbrt cornell-box/cornell-box.png --resolution 256x256 --spp 256
 picture textures/textures.pbrt textures/textures.png --resolution 320x180 --spp 256
 for name in textured spot projection goniometric portal; do
-  picture lights/$name.pbrt lights/$name.png --spp 1024
+  picture lights/$name.pbrt lights/$name.png --spp 512
 done
 picture detail/detail.pbrt detail/detail.png
 picture leaves/leaves.pbrt leaves/leaves.png
