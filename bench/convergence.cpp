@@ -3,7 +3,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -14,6 +13,7 @@
 #include "bench/calibration_figures.h"
 #include "bench/calibration_trials.h"
 #include "bench/slopes_fit.h"
+#include "bench/stopwatch.h"
 #include "worker/integrator/render.h"
 #include "worker/scene/scene.h"
 
@@ -36,6 +36,7 @@ struct Options {
   uint32_t reference_spp = 16384;
   int seeds = 4;
   int threads = 2;
+  bool cpu = false;  ///< Seconds are of user CPU time.
   std::string csv;
 };
 
@@ -67,6 +68,7 @@ class SceneBench {
   static absl::StatusOr<SceneBench> Load(const std::string& path, const Options& options) {
     const std::filesystem::path file = std::filesystem::absolute(path).lexically_normal();
     SceneBench bench;
+    bench.cpu_ = options.cpu;
     bench.name_ = (file.parent_path().filename() / file.stem()).string();
     const std::string scene = file.filename().string();
     STRATA_ASSIGN_OR_RETURN(bench.scene_, LoadScene(DirectorySource(file.parent_path()), scene));
@@ -93,10 +95,9 @@ class SceneBench {
     STRATA_ASSIGN_OR_RETURN(const auto renderer, Renderer::Create(scene_, spec));
     TimedTrial timed;
     const RenderUnit render = [&](const WorkUnit& unit) {
-      const auto start = std::chrono::steady_clock::now();
+      const Stopwatch stopwatch(cpu_);
       auto partial = renderer->Render(unit, pool);
-      timed.seconds +=
-          std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      timed.seconds += stopwatch.Seconds();
       if (partial.ok()) {
         for (const uint64_t rays : partial->rays) timed.rays += static_cast<double>(rays);
       }
@@ -111,6 +112,7 @@ class SceneBench {
   std::string name_;
   std::shared_ptr<const Scene> scene_;
   JobSpec spec_;
+  bool cpu_ = false;
 };
 
 /// Means over all channels, each divided by reference^2 + 0.01.
@@ -160,13 +162,16 @@ struct Point {
   double samples;        ///< Taken for each pixel: the mean over pixels and seeds.
   MeanAndError relmse;   ///< Over seeds.
   double seconds, rays;  ///< Medians over seeds.
+  double spread;         ///< Of the seconds: half of their range, over the median.
   double Efficiency() const { return 1 / (relmse.mean * seconds); }
 };
 using Curve = std::vector<Point>;
 
 Point PointOf(uint32_t spp, const Seeds& seeds) {
-  return {spp, MeanOf(seeds.samples).mean, MeanOf(seeds.relmse), Median(seeds.seconds),
-          Median(seeds.rays)};
+  const auto [least, most] = std::minmax_element(seeds.seconds.begin(), seeds.seconds.end());
+  const double seconds = Median(seeds.seconds);
+  return {spp,     MeanOf(seeds.samples).mean, MeanOf(seeds.relmse),
+          seconds, Median(seeds.rays),         0.5 * (*most - *least) / seconds};
 }
 
 /// The curves of all methods. Methods take turns, so that what else the machine does meets all.
@@ -210,15 +215,17 @@ void Print(const std::string& scene, const std::vector<Method>& methods,
     const Point& last = curve.back();
     const PowerLaw by_samples = FitOver(&Point::samples, curve);
     const PowerLaw by_seconds = FitOver(&Point::seconds, curve);
-    std::printf("%-24s %-23s %6.1f %10.3e +- %2.0f %% %7.2f %6.2f +- %.2f %6.2f +- %.2f %8.2f\n",
-                scene.c_str(), methods[m].Name().c_str(), last.samples, last.relmse.mean,
-                100 * last.relmse.error / last.relmse.mean, last.seconds, by_samples.slope,
-                by_samples.error, by_seconds.slope, by_seconds.error,
-                last.Efficiency() / baseline.Efficiency());
+    std::printf(
+        "%-24s %-23s %6.1f %10.3e +- %2.0f %% %7.2f +- %2.0f %% %6.2f +- %.2f %6.2f +- %.2f "
+        "%8.2f\n",
+        scene.c_str(), methods[m].Name().c_str(), last.samples, last.relmse.mean,
+        100 * last.relmse.error / last.relmse.mean, last.seconds, 100 * last.spread,
+        by_samples.slope, by_samples.error, by_seconds.slope, by_seconds.error,
+        last.Efficiency() / baseline.Efficiency());
     for (const Point& p : curve) {
       csv << scene << ',' << methods[m].Name() << ',' << p.spp << ',' << p.samples << ','
           << p.relmse.mean << ',' << p.relmse.error << ',' << p.seconds << ',' << p.rays << ','
-          << p.Efficiency() << std::endl;
+          << p.Efficiency() << ',' << p.spread << std::endl;
     }
   }
   std::fflush(stdout);
@@ -235,12 +242,14 @@ absl::Status Run(const Options& options) {
   if (!options.csv.empty() && !csv) {
     return absl::InvalidArgumentError("--csv: cannot write " + options.csv);
   }
-  csv << "scene,sampler,allocation,spp,samples,relmse,relmse_stderr,seconds,rays,efficiency\n";
+  csv << "scene,sampler,allocation,spp,samples,relmse,relmse_stderr,seconds,rays,efficiency,"
+         "seconds_spread\n";
   std::printf(
       "%dx%d, %d threads, %d seeds, references of %u spp; at the last point: samples, "
-      "relMSE, seconds, and efficiency over the first line's\n",
-      options.size, options.size, options.threads, options.seeds, options.reference_spp);
-  std::printf("%-24s %-23s %6s %18s %6s %15s %15s %10s\n", "scene", "sampler,allocation", "spp",
+      "relMSE, %s, and efficiency over the first line's\n",
+      options.size, options.size, options.threads, options.seeds, options.reference_spp,
+      options.cpu ? "seconds of user CPU time" : "seconds");
+  std::printf("%-24s %-23s %6s %18s %13s %15s %15s %10s\n", "scene", "sampler,allocation", "spp",
               "relMSE", "s", "slope (spp)", "slope (s)", "efficiency");
   for (const std::string& path : options.scenes) {
     STRATA_ASSIGN_OR_RETURN(const SceneBench scene, SceneBench::Load(path, options));
@@ -273,6 +282,7 @@ int Main(int argc, char** argv) {
   app.add_option("--allocations", allocations, "of each sampler")->delimiter(',');
   app.add_option("--seeds", options.seeds, "renders of each point")->check(CLI::Range(2, 1000));
   app.add_option("--threads", options.threads)->check(CLI::Range(1, 1024));
+  app.add_flag("--cpu", options.cpu, "seconds are of user CPU time");
   app.add_option("--csv", options.csv, "file to write all points to");
   CLI11_PARSE(app, argc, argv);
   absl::Status status;

@@ -3,7 +3,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <random>
@@ -11,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "bench/stopwatch.h"
 #include "worker/integrator/render.h"
 #include "worker/scene/scene.h"
 
@@ -22,6 +22,7 @@ struct Options {
   uint32_t spp = 64;
   int seeds = 8;
   int threads = 2;
+  bool cpu = false;  ///< Seconds are of user CPU time.
 };
 
 struct Technique {
@@ -154,7 +155,8 @@ class Frames {
 
 struct Row {
   double relmse = 0, seconds = 0;
-  double rays = 0;  ///< For each sample.
+  double spread = 0;  ///< Of the seconds: half of their range, over the median.
+  double rays = 0;    ///< For each sample.
 };
 
 absl::StatusOr<std::vector<Row>> Measure(const std::string& path, const Table& table,
@@ -181,12 +183,11 @@ absl::StatusOr<std::vector<Row>> Measure(const std::string& path, const Table& t
       spec.strategy = table[i].strategy;
       spec.roulette = table[i].roulette;
       STRATA_ASSIGN_OR_RETURN(const auto renderer, Renderer::Create(scenes[i], spec));
-      const auto start = std::chrono::steady_clock::now();
+      const Stopwatch stopwatch(options.cpu);
       STRATA_ASSIGN_OR_RETURN(
           const Partial partial,
           renderer->Render({{}, spec.crop, {{0, options.spp / kReplicates}}}, pool));
-      seconds[i].push_back(
-          std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+      seconds[i].push_back(stopwatch.Seconds());
       frames[i].Add(partial);
       for (const uint64_t n : partial.rays) rays[i] += static_cast<double>(n);
     }
@@ -195,8 +196,9 @@ absl::StatusOr<std::vector<Row>> Measure(const std::string& path, const Table& t
   for (size_t i = 0; i < scenes.size(); ++i) {
     std::sort(seconds[i].begin(), seconds[i].end());
     const double samples = static_cast<double>(spec.crop.Pixels()) * options.spp * options.seeds;
-    rows.push_back(
-        {frames[i].RelativeVariance(), seconds[i][seconds[i].size() / 2], rays[i] / samples});
+    const double median = seconds[i][seconds[i].size() / 2];
+    rows.push_back({frames[i].RelativeVariance(), median,
+                    0.5 * (seconds[i].back() - seconds[i].front()) / median, rays[i] / samples});
   }
   return rows;
 }
@@ -213,6 +215,7 @@ int Main(int argc, char** argv) {
   app.add_option("--spp", options.spp, "samples per pixel, a multiple of 8");
   app.add_option("--seeds", options.seeds)->check(CLI::Range(2, 1 << 20));
   app.add_option("--threads", options.threads);
+  app.add_flag("--cpu", options.cpu, "seconds are of user CPU time");
   CLI11_PARSE(app, argc, argv);
   const Table& table = table_name == "strategies" ? Strategies()
                        : table_name == "roulette" ? Roulettes()
@@ -223,14 +226,16 @@ int Main(int argc, char** argv) {
       std::fprintf(stderr, "%s\n", rows.status().ToString().c_str());
       return 2;
     }
-    std::printf("%s\n  %-28s %12s %10s %12s %12s %12s\n", path.c_str(), "", "relMSE", "seconds",
-                "efficiency", "rays/sample", "eff. by rays");
+    std::printf("%s\n  %-28s %12s %17s %12s %12s %12s\n", path.c_str(), "", "relMSE",
+                options.cpu ? "CPU seconds" : "seconds", "efficiency", "rays/sample",
+                "eff. by rays");
     const Row& shipped = rows->front();
     for (size_t i = 0; i < rows->size(); ++i) {
       const Row& row = (*rows)[i];
-      std::printf("  %-28s %12.5g %10.4f %12.3f %12.2f %12.3f\n", table[i].name, row.relmse,
-                  row.seconds, shipped.relmse * shipped.seconds / (row.relmse * row.seconds),
-                  row.rays, shipped.relmse * shipped.rays / (row.relmse * row.rays));
+      std::printf("  %-28s %12.5g %10.4f +-%2.0f %% %12.3f %12.2f %12.3f\n", table[i].name,
+                  row.relmse, row.seconds, 100 * row.spread,
+                  shipped.relmse * shipped.seconds / (row.relmse * row.seconds), row.rays,
+                  shipped.relmse * shipped.rays / (row.relmse * row.rays));
     }
     std::fflush(stdout);
   }

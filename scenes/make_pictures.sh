@@ -22,7 +22,7 @@ picture() {
 picture cornell-box/cornell-box.pbrt cornell-box/cornell-box.png --resolution 256x256 --spp 256
 picture textures/textures.pbrt textures/textures.png --resolution 320x180 --spp 256
 for name in textured spot projection goniometric portal; do
-  picture lights/$name.pbrt lights/$name.png --spp 128
+  picture lights/$name.pbrt lights/$name.png --spp 512
 done
 picture detail/detail.pbrt detail/detail.png
 picture leaves/leaves.pbrt leaves/leaves.png
@@ -43,5 +43,7 @@ for strategy in mis light bsdf cosine uniform; do
   picture soft-shadow/soft-shadow.pbrt soft-shadow/strategy-$strategy.png --strategy $strategy \
     --spp 16 --allocation uniform
 done
-picture soft-shadow/soft-shadow.pbrt soft-shadow/roulette-efficiency.png --roulette efficiency --spp 64
+for roulette in throughput efficiency off; do
+  picture soft-shadow/soft-shadow.pbrt soft-shadow/roulette-$roulette.png --roulette $roulette --spp 64
+done
 picture gltf/materials.gltf gltf/materials.png --resolution 480x270 --spp 256

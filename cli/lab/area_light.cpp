@@ -55,7 +55,7 @@ Vec2f PixelCentre(int x, int y) {
 struct Floor {
   double mean = 0, variance = 0;  ///< The latter of one estimate, averaged over pixels.
   double seconds = 0;             ///< Of one estimate.
-  std::vector<float> picture;
+  std::vector<double> picture;
 };
 
 Floor Shade(int grid, bool stratified, const Settings& settings, uint32_t stream) {
@@ -64,7 +64,7 @@ Floor Shade(int grid, bool stratified, const Settings& settings, uint32_t stream
   constexpr int kPixels = kSide * kSide;
   for (int pixel = 0; pixel < kPixels; ++pixel) {
     const Vec2f point = PixelCentre(pixel % kSide, pixel / kSide);
-    floor.picture.push_back(static_cast<float>(Estimate(point, grid, stratified, random)));
+    floor.picture.push_back(Estimate(point, grid, stratified, random));
     const Measured measured =
         Measure(settings.samples, [&] { return Estimate(point, grid, stratified, random); });
     floor.mean += measured.Mean() / kPixels;
@@ -74,19 +74,6 @@ Floor Shade(int grid, bool stratified, const Settings& settings, uint32_t stream
   return floor;
 }
 
-/// Copies a square of grey values into the picture.
-void Place(const std::vector<float>& values, int left, int top, Picture& picture) {
-  // The middle of the lit floor is near white.
-  const double white = 0.9 / Contribution({kHalfFloor / 2, 0}, {0.5f, 0.5f});
-  for (int i = 0; i < kSide * kSide; ++i) {
-    const int x = left + i % kSide, y = top + i / kSide;
-    for (int c = 0; c < 3; ++c) {
-      picture.rgb[(static_cast<size_t>(y) * picture.width + x) * 3 + c] =
-          static_cast<float>(values[i] * white * 0.5);
-    }
-  }
-}
-
 }  // namespace
 
 absl::StatusOr<Outcome> RunAreaLight(const Settings& settings) {
@@ -94,10 +81,9 @@ absl::StatusOr<Outcome> RunAreaLight(const Settings& settings) {
   constexpr std::array kGrids = {1, 3, 6};
   Outcome outcome;
   outcome.records.columns = {"samples", "n", "mean", kVariance, "V of one / V", kTime, kEfficiency};
-  Picture picture;
-  picture.width = 3 * kSide + 2 * kGap;
-  picture.height = 2 * kSide + kGap;
-  picture.rgb.assign(static_cast<size_t>(picture.width) * picture.height * 3, 1.0f);
+  Picture picture = Picture::White(3 * kSide + 2 * kGap, 2 * kSide + kGap);
+  // The middle of the lit floor is near white.
+  const double scale = 0.45 / Contribution({kHalfFloor / 2, 0}, {0.5f, 0.5f});
   uint32_t stream = 0;
   double of_one = 0;
   for (const bool stratified : {false, true}) {
@@ -109,8 +95,8 @@ absl::StatusOr<Outcome> RunAreaLight(const Settings& settings) {
                                       static_cast<double>(grid * grid), floor.mean, floor.variance,
                                       of_one / floor.variance, floor.seconds,
                                       Efficiency(floor.variance, floor.seconds)});
-      Place(floor.picture, static_cast<int>(column) * (kSide + kGap), stratified ? kSide + kGap : 0,
-            picture);
+      picture.Place(floor.picture, kSide, static_cast<int>(column) * (kSide + kGap),
+                    stratified ? kSide + kGap : 0, scale);
     }
   }
   outcome.figure = std::move(picture);

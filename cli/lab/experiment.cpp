@@ -2,6 +2,7 @@
 
 #include <absl/strings/str_format.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <cstdlib>
@@ -33,6 +34,10 @@ constexpr std::array kExperiments = {
                "Veach's plates by light sampling, BSDF sampling and both under multiple importance "
                "sampling.",
                "samples for each pixel", 32, false, RunMis},
+    Experiment{"roulette",
+               "Russian roulette with several q on a costly part of an estimate that matters "
+               "little, and on one that matters.",
+               "estimates for each row", 100000, true, RunRoulette},
     Experiment{"filter",
                "A pixel at an edge by weighted averages, which are biased, and by filter "
                "importance sampling, which is not.",
@@ -67,6 +72,18 @@ double Records::Number(const std::vector<std::string>& labels, std::string_view 
   std::fprintf(stderr, "no row or column '%s' in an experiment's records\n",
                std::string(column).c_str());
   std::abort();
+}
+
+Picture Picture::White(int width, int height) {
+  return {width, height, std::vector<float>(static_cast<size_t>(width) * height * 3, 1.0f)};
+}
+
+void Picture::Place(std::span<const double> greys, int greys_width, int left, int top,
+                    double scale) {
+  for (size_t i = 0; i < greys.size(); ++i) {
+    const size_t x = left + i % greys_width, y = top + i / greys_width;
+    std::fill_n(&rgb[(y * width + x) * 3], 3, static_cast<float>(greys[i] * scale));
+  }
 }
 
 }  // namespace strata::lab

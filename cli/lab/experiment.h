@@ -53,6 +53,11 @@ struct Plot {
 struct Picture {
   int width = 0, height = 0;
   std::vector<float> rgb;
+
+  static Picture White(int width, int height);
+  /// Copies rows of grey values, each times `scale`, to where their left upper corner lies at
+  /// (left, top).
+  void Place(std::span<const double> greys, int greys_width, int left, int top, double scale = 1);
 };
 
 struct Outcome {
@@ -83,6 +88,7 @@ absl::StatusOr<Outcome> RunImportance(const Settings& settings);
 absl::StatusOr<Outcome> RunIrradiance(const Settings& settings);
 absl::StatusOr<Outcome> RunAreaLight(const Settings& settings);
 absl::StatusOr<Outcome> RunMis(const Settings& settings);
+absl::StatusOr<Outcome> RunRoulette(const Settings& settings);
 absl::StatusOr<Outcome> RunFilter(const Settings& settings);
 
 }  // namespace strata::lab

@@ -47,8 +47,7 @@ absl::StatusOr<Outcome> RunImportance(const Settings& settings) {
       "At n = 3 the density is f / mu and every sample is the answer: what variance is left is "
       "rounding. The nearer p is to that, the less variance (PBRT 2.2.2).",
       "A density that is small where f is not does harm: n = 6 is as bad as the uniform one, n = "
-      "0, "
-      "and from n = 7 on the variance is infinite."};
+      "0, and from n = 7 on the variance is infinite."};
   return outcome;
 }
 

@@ -82,13 +82,6 @@ double MeanOver(const std::vector<double>& values, const PixelRect& pixels) {
   return sum / static_cast<double>(pixels.Pixels());
 }
 
-void Place(const Frame& frame, int left, Picture& picture) {
-  for (int i = 0; i < kWidth * kHeight; ++i) {
-    const size_t at = static_cast<size_t>(i / kWidth) * picture.width + left + i % kWidth;
-    std::fill_n(&picture.rgb[3 * at], 3, static_cast<float>(frame.means[i]));
-  }
-}
-
 }  // namespace
 
 absl::StatusOr<Outcome> RunMis(const Settings& settings) {
@@ -106,14 +99,11 @@ absl::StatusOr<Outcome> RunMis(const Settings& settings) {
   Outcome outcome;
   outcome.records.columns = {"where",   "sampling", "mean",     "standard error",
                              kVariance, kTime,      kEfficiency};
-  Picture picture;
-  picture.width = 3 * kWidth + 2 * kGap;
-  picture.height = kHeight;
-  picture.rgb.assign(static_cast<size_t>(picture.width) * picture.height * 3, 1.0f);
+  Picture picture = Picture::White(3 * kWidth + 2 * kGap, kHeight);
   std::array<Frame, kStrategies.size()> frames;
   for (size_t i = 0; i < kStrategies.size(); ++i) {
     STRATA_ASSIGN_OR_RETURN(frames[i], Render(plates, kStrategies[i].direct, settings));
-    Place(frames[i], static_cast<int>(i) * (kWidth + kGap), picture);
+    picture.Place(frames[i].means, kWidth, static_cast<int>(i) * (kWidth + kGap), 0);
   }
   for (const Region& region : regions) {
     for (size_t i = 0; i < kStrategies.size(); ++i) {
@@ -134,10 +124,8 @@ absl::StatusOr<Outcome> RunMis(const Settings& settings) {
       "points lies in the narrow lobe. BSDF sampling is bad where a small lamp shines on a rough "
       "plate: hardly any direction meets it.",
       "Each sample's weight goes to the strategy that was likelier to make it (PBRT 2.2.3), and "
-      "MIS "
-      "is near the better of the two everywhere, for the time of both. All three agree in the "
-      "mean; "
-      "V is that of one sample of a pixel, averaged over the pixels."};
+      "MIS is near the better of the two everywhere, for the time of both. All three agree in the "
+      "mean; V is that of one sample of a pixel, averaged over the pixels."};
   return outcome;
 }
 

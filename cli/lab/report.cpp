@@ -31,6 +31,17 @@ std::vector<std::string> Wrapped(const std::string& text) {
   return lines;
 }
 
+std::vector<std::string> Texts(const std::vector<Cell>& row) {
+  std::vector<std::string> texts;
+  for (const Cell& cell : row) texts.push_back(ToText(cell));
+  return texts;
+}
+
+/// Whether a column's cells are aligned to the right: numbers.
+bool IsOfNumbers(const Records& records, size_t column) {
+  return !records.rows.empty() && IsNumber(records.rows.front()[column]);
+}
+
 std::string Quoted(const std::string& words) {
   if (words.find_first_of(",\"\n") == std::string::npos) return words;
   return absl::StrCat("\"", absl::StrReplaceAll(words, {{"\"", "\"\""}}), "\"");
@@ -45,10 +56,7 @@ std::string MarkdownRow(const std::vector<std::string>& cells) {
 std::vector<std::string> TextLines(const Experiment& experiment, const Outcome& outcome) {
   const Records& records = outcome.records;
   std::vector<std::vector<std::string>> rows = {records.columns};
-  for (const std::vector<Cell>& row : records.rows) {
-    rows.emplace_back();
-    for (const Cell& cell : row) rows.back().push_back(ToText(cell));
-  }
+  for (const std::vector<Cell>& row : records.rows) rows.push_back(Texts(row));
   std::vector<size_t> widths(records.columns.size(), 0);
   for (const std::vector<std::string>& row : rows) {
     for (size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
@@ -59,8 +67,8 @@ std::vector<std::string> TextLines(const Experiment& experiment, const Outcome& 
     std::string line;
     for (size_t i = 0; i < row.size(); ++i) {
       const std::string blanks(widths[i] - row[i].size(), ' ');
-      const bool right = !records.rows.empty() && IsNumber(records.rows.front()[i]);
-      absl::StrAppend(&line, i > 0 ? "  " : "", right ? blanks + row[i] : row[i] + blanks);
+      absl::StrAppend(&line, i > 0 ? "  " : "",
+                      IsOfNumbers(records, i) ? blanks + row[i] : row[i] + blanks);
     }
     lines.emplace_back(absl::StripTrailingAsciiWhitespace(line));
   }
@@ -102,16 +110,10 @@ std::vector<std::string> MarkdownLines(const Experiment& experiment, const Outco
   for (const std::string& remark : outcome.remarks) lines.insert(lines.end(), {remark, ""});
   lines.push_back(MarkdownRow(records.columns));
   std::vector<std::string> rules;
-  for (size_t i = 0; i < records.columns.size(); ++i) {
-    const bool right = !records.rows.empty() && IsNumber(records.rows.front()[i]);
-    rules.emplace_back(right ? "---:" : "---");
-  }
+  for (size_t i = 0; i < records.columns.size(); ++i)
+    rules.emplace_back(IsOfNumbers(records, i) ? "---:" : "---");
   lines.push_back(MarkdownRow(rules));
-  for (const std::vector<Cell>& row : records.rows) {
-    std::vector<std::string> cells;
-    for (const Cell& cell : row) cells.push_back(ToText(cell));
-    lines.push_back(MarkdownRow(cells));
-  }
+  for (const std::vector<Cell>& row : records.rows) lines.push_back(MarkdownRow(Texts(row)));
   lines.emplace_back();
   return lines;
 }

@@ -9,7 +9,7 @@ import sys
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.dirname(HERE))
-from png import write_png  # noqa: E402
+from images import write_png  # noqa: E402
 
 SIZE = 256
 HEIGHT = 0.06  # Of a brick over the mortar, where the wall is 2 units wide and high.

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "common/job.h"
@@ -11,7 +12,7 @@ namespace strata::lab {
 namespace {
 
 TEST(Experiments, HaveNamesSentencesAndTheSameNumbersEachTime) {
-  EXPECT_EQ(Experiments().size(), 7u);
+  EXPECT_EQ(Experiments().size(), 8u);
   EXPECT_EQ(FindExperiment("no-such"), nullptr);
   for (const Experiment& experiment : Experiments()) {
     EXPECT_EQ(std::string_view(experiment.sentence).back(), '.') << experiment.name;
@@ -103,6 +104,27 @@ TEST(MisExperiment, IsNearTheBetterStrategyEverywhereAndUnbiased) {
       EXPECT_LT(error, 0.1 * mean) << "the test says nothing";
     }
   }
+}
+
+TEST(RouletteExperiment, KeepsTheMeanAndHasTheVarianceOfTheory) {
+  constexpr double kSamples = 20000;
+  const Records records = RecordsOf("roulette", static_cast<int64_t>(kSamples));
+  EXPECT_EQ(records.rows.size(), 24u);
+  for (const std::vector<Cell>& row : records.rows) {
+    const std::vector<std::string> labels = {ToText(row[0]), ToText(row[1]), ToText(row[2])};
+    const double theory = records.Number(labels, kTheory);
+    EXPECT_NEAR(records.Number(labels, "mean"), records.Number(labels, "truth"),
+                4 * std::sqrt(theory / kSamples));
+    // A sample variance has the relative standard error sqrt((k - 1) / n), k the kurtosis: that of
+    // the exponential part is 9, that of what survives with a chance of 1 - q, at most
+    // E F^4 / (1 - q) where the variance is near (E F)^2 / (1 - q), and E F^4 is below 1.1.
+    const double kurtosis = std::max(9.0, 1.1 / (1 - std::get<double>(row[2])));
+    EXPECT_RATIO(records.Number(labels, kVariance), theory,
+                 4.5 * std::sqrt((kurtosis - 1) / kSamples));
+  }
+  // c = mean adds next to nothing, c = 0 adds q / (1 - q) w^2.
+  EXPECT_NEAR(records.Number({"1", "0", "0.5"}, kTheory), 1 + 2.0 / 64 + 1, 1e-9);
+  EXPECT_NEAR(records.Number({"1", "1", "0.5"}, kTheory), 1 + 2.0 / 64, 1e-9);
 }
 
 TEST(FilterExperiment, TheWeightedAverageIsBiasedAndTheOthersAreNot) {

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "common/job.h"
 #include "tests/statistics/plane_test.h"
 
 namespace strata {
@@ -12,5 +13,9 @@ namespace strata {
 std::vector<PlaneCase> OneDimensionalCases();
 std::vector<PlaneCase> PlanarCases();       ///< Squares, disks and triangles.
 std::vector<PlaneCase> DirectionalCases();  ///< Spheres and parts of them, lobes.
+std::vector<PlaneCase> FilterCases();       ///< Of TestedFilters.
+
+/// Filters of all kinds.
+std::vector<FilterSpec> TestedFilters();
 
 }  // namespace strata

@@ -18,6 +18,7 @@ std::vector<PlaneCase> AllCases() {
   std::vector<PlaneCase> all = OneDimensionalCases();
   for (PlaneCase& c : PlanarCases()) all.push_back(std::move(c));
   for (PlaneCase& c : DirectionalCases()) all.push_back(std::move(c));
+  for (PlaneCase& c : FilterCases()) all.push_back(std::move(c));
   return all;
 }
 

@@ -4,20 +4,14 @@
 
 #include <cmath>
 
+#include "tests/sampling/density_cases.h"
 #include "tests/statistics/chi_square.h"
 #include "tests/statistics/random.h"
 
+// What the filters are; that their samples follow them is density_test.cpp's.
+
 namespace strata {
 namespace {
-
-std::vector<FilterSpec> Filters() {
-  return {{.kind = FilterKind::kBox, .radius_x = 0.5, .radius_y = 0.5},
-          {.kind = FilterKind::kBox, .radius_x = 1, .radius_y = 0.25},
-          {.kind = FilterKind::kTriangle, .radius_x = 2, .radius_y = 1},
-          {.kind = FilterKind::kGaussian, .radius_x = 1.5, .radius_y = 1.5, .sigma = 0.5},
-          {.kind = FilterKind::kMitchell, .radius_x = 2, .radius_y = 2},
-          {.kind = FilterKind::kMitchell, .radius_x = 3, .radius_y = 2, .b = 0, .c = 1}};
-}
 
 /// The definitions of pbrt-v4, not normalised.
 double Definition(const FilterSpec& spec, double radius, double x) {
@@ -45,7 +39,7 @@ double Definition(const FilterSpec& spec, double radius, double x) {
 }
 
 TEST(Filter, IsTheNormalisedDefinition) {
-  for (const FilterSpec& spec : Filters()) {
+  for (const FilterSpec& spec : TestedFilters()) {
     const FilterAxis axis(spec.kind, spec.radius_x, spec);
     constexpr int kSteps = 20000;
     double integral = 0;
@@ -65,7 +59,7 @@ TEST(Filter, IsTheNormalisedDefinition) {
 
 // Through all 2^24 numbers of an axis, by a stratified part of them: a constant stays constant.
 TEST(Filter, WeightsAverageToOne) {
-  for (const FilterSpec& spec : Filters()) {
+  for (const FilterSpec& spec : TestedFilters()) {
     const FilterAxis axis(spec.kind, spec.radius_x, spec);
     double sum = 0, offset = 0;
     constexpr int kSteps = 1 << 24;
@@ -84,38 +78,9 @@ TEST(Filter, WeightsAverageToOne) {
   }
 }
 
-TEST(Filter, SamplesFollowItsMagnitude) {
-  constexpr int kBins = 64, kSamples = 1000000;
-  for (const FilterSpec& spec : Filters()) {
-    const FilterSampler filter(spec);
-    TestRandom random(1);
-    std::vector<double> counts(kBins, 0.0), expected(kBins, 0.0);
-    double weight = 0;
-    for (int i = 0; i < kSamples; ++i) {
-      const FilterSample s = filter.Sample(random.Float2());
-      ASSERT_LE(std::fabs(s.offset.x), spec.radius_x);
-      ASSERT_LE(std::fabs(s.offset.y), spec.radius_y);
-      const double t = (s.offset.x / spec.radius_x + 1) / 2;
-      ++counts[std::min(kBins - 1, static_cast<int>(t * kBins))];
-      weight = std::fabs(s.weight);
-    }
-    // |Eval| = density times |weight| on each axis; the two axes have the same weight.
-    const FilterAxis axis(spec.kind, spec.radius_x, spec);
-    constexpr int kSteps = 2000;
-    for (int bin = 0; bin < kBins; ++bin) {
-      for (int i = 0; i < kSteps; ++i) {
-        const double t = (bin + (i + 0.5) / kSteps) / kBins;
-        expected[bin] += std::fabs(axis.Eval(static_cast<float>((2 * t - 1) * spec.radius_x)));
-      }
-      expected[bin] *= 2 * spec.radius_x / kBins / kSteps * kSamples / std::sqrt(weight);
-    }
-    EXPECT_GT(ChiSquareTest(counts, expected).p, SidakLevel(0.01, 6)) << ToString(spec.kind);
-  }
-}
-
 // Filtering a smooth image by samples gives the integral of filter times image.
 TEST(Filter, SignedWeightsReconstruct) {
-  for (const FilterSpec& spec : Filters()) {
+  for (const FilterSpec& spec : TestedFilters()) {
     const FilterSampler filter(spec);
     const auto image = [](double x, double y) { return 1 + x * x + 0.5 * x * y * y; };
     TestRandom random(2);

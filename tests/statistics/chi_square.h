@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <boost/math/distributions/non_central_chi_squared.hpp>
 #include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
 #include <numeric>
@@ -55,6 +56,15 @@ inline ChiSquareResult ChiSquareTest(const std::vector<double>& observed,
   }
   result.p = ChiSquareTail(result.statistic, result.degrees);
   return result;
+}
+
+/// How far a statistic must be shifted by a wrong expectation (samples times the mean square of its
+/// relative error: Pearson's noncentrality) so that p falls below `level` but for one run in ten
+/// thousand.
+inline double NoncentralityFound(int degrees, double level) {
+  constexpr double kMissed = 1e-4;
+  const double critical = 2 * boost::math::gamma_q_inv(0.5 * degrees, level);
+  return boost::math::non_central_chi_squared::find_non_centrality(degrees, critical, kMissed);
 }
 
 /// The level of each of `tests` independent tests that makes all of them together one of level

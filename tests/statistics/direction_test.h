@@ -21,7 +21,13 @@ namespace strata {
 struct DirectionTestResult {
   ChiSquareResult chi_square;
   double integral = 0;  ///< Of the density over the sphere.
+  /// The control, which must fail: the same counts against the density times 1 + error cos(2 pi r),
+  /// where r is the share of directions before a cell's ring, from below to above.
+  ChiSquareResult control;
+  double error = 0;  ///< The control's.
 };
+
+inline constexpr double kControlLevel = 1e-6;  ///< A control's p-value must be below this.
 
 namespace direction_test_detail {
 
@@ -38,9 +44,14 @@ inline Polar ToPolar(Vec3f w) {
   return {std::clamp(t, 0.0, 1.0), std::atan2(static_cast<double>(w.y), static_cast<double>(w.x))};
 }
 
-/// The probability of the cell, to a hundredth of the standard deviation of its share of `samples`.
-/// What has less than one hit is as if it had one. The parts it is cut into first let quadrature
-/// see a corner of a lamp that reaches into an otherwise empty cell.
+/// Of a cell's expectation, in standard deviations of the count.
+inline constexpr double kQuadratureError = 0.05;
+
+/// The probability of the cell, to a twentieth of the standard deviation of its share of `samples`:
+/// errors of that size in all cells add a four-hundredth of the degrees of freedom to the
+/// statistic, for 400 of them 1/28 of its standard deviation. What has less than one hit is as if
+/// it had one. The parts it is cut into first let quadrature see a corner of a lamp that reaches
+/// into an otherwise empty cell.
 template <typename Pdf>
 double Probability(const Pdf& pdf, const SphereCell& c, int samples) {
   constexpr int kParts = 3;
@@ -54,7 +65,7 @@ double Probability(const Pdf& pdf, const SphereCell& c, int samples) {
     whole += masses[i] = GaussIntegral(pdf, parts[i]);
   }
   const double share = std::clamp(whole, 1.0 / samples, 1.0);
-  const double tolerance = 0.01 * std::sqrt(share / samples) / kParts;
+  const double tolerance = kQuadratureError * std::sqrt(share / samples) / kParts;
   double sum = 0;
   for (int i = 0; i < kParts * kParts; ++i)
     sum += AdaptiveIntegral(pdf, parts[i], masses[i], tolerance);
@@ -100,12 +111,40 @@ inline int FindCell(const std::vector<double>& edges, double x) {
                     static_cast<int>(edges.size()) - 2);
 }
 
+/// `expected` times 1 + error * wave, its sum kept. What follows the waves, if anything, is none of
+/// theirs.
+inline std::vector<double> Tilt(std::vector<double> expected, const std::vector<double>& waves,
+                                double error) {
+  double before = 0, after = 0;
+  for (size_t i = 0; i < waves.size(); ++i) {
+    before += expected[i];
+    after += expected[i] *= 1 + error * waves[i];
+  }
+  for (size_t i = 0; i < waves.size(); ++i) expected[i] *= before / after;
+  return expected;
+}
+
+/// The least error of Tilt that `degrees` of freedom must find.
+inline double LeastErrorFound(const std::vector<double>& expected, const std::vector<double>& waves,
+                              int degrees) {
+  // The statistic's shift at an error of 1.
+  const std::vector<double> tilted = Tilt(expected, waves, 0.5);
+  double shift = 0;
+  for (size_t i = 0; i < waves.size(); ++i) {
+    const double off = (tilted[i] - expected[i]) / 0.5;
+    shift += off * off / expected[i];
+  }
+  return std::sqrt(NoncentralityFound(degrees, kControlLevel) / shift);
+}
+
 }  // namespace direction_test_detail
 
 /// `sample` draws a direction, or none (which must happen with one minus the integral of `pdf`, the
-/// density by solid angle). `samples` are tested after a pilot of a tenth as many.
+/// density by solid angle). `samples` are tested after a pilot of a tenth as many. The control's
+/// error is `error`, or else the least that so many samples in so many cells must find.
 template <typename Sample, typename Pdf>
-DirectionTestResult TestDirections(const Sample& sample, const Pdf& pdf, int samples) {
+DirectionTestResult TestDirections(const Sample& sample, const Pdf& pdf, int samples,
+                                   std::optional<double> error = std::nullopt) {
   using namespace direction_test_detail;
   constexpr int kRings = 8, kSectors = 8;
 
@@ -120,6 +159,7 @@ DirectionTestResult TestDirections(const Sample& sample, const Pdf& pdf, int sam
   };
   Hemisphere hemispheres[2];
   std::vector<double> expected;
+  std::vector<double> waves;  // The shape of the control's error.
   double integral = 0;
   for (const int side : {0, 1}) {
     Hemisphere& hemisphere = hemispheres[side];
@@ -134,6 +174,7 @@ DirectionTestResult TestDirections(const Sample& sample, const Pdf& pdf, int sam
           QuantileEdges(angles[ring], kSectors, -std::numbers::pi, std::numbers::pi));
       hemisphere.first.push_back(static_cast<int>(expected.size()));
       const std::vector<double>& edges = hemisphere.sectors.back();
+      const double before = integral;
       for (size_t s = 0; s + 1 < edges.size(); ++s) {
         const SphereCell cell = {side == 1, hemisphere.rings[ring], hemisphere.rings[ring + 1],
                                  edges[s], edges[s + 1]};
@@ -142,8 +183,10 @@ DirectionTestResult TestDirections(const Sample& sample, const Pdf& pdf, int sam
         // Below this the quadrature cannot tell nothing from little.
         expected.push_back(std::max(mass, 1e-8) * samples);
       }
+      waves.resize(expected.size(), 0.5 * (before + integral));
     }
   }
+  for (double& wave : waves) wave = std::cos(2 * std::numbers::pi * wave / integral);
   expected.push_back(samples * std::max(0.0, 1 - integral));
 
   std::vector<double> observed(expected.size(), 0.0);
@@ -158,13 +201,18 @@ DirectionTestResult TestDirections(const Sample& sample, const Pdf& pdf, int sam
     const int ring = FindCell(hemisphere.rings, p.t);
     ++observed[hemisphere.first[ring] + FindCell(hemisphere.sectors[ring], p.phi)];
   }
-  // Nothing may be missing that the density has: rounding of the integral is no expectation.
-  if (expected.back() < 0.001 * std::sqrt(static_cast<double>(samples)) + 5 &&
-      observed.back() < 5) {
+  // That some are none is no expectation where so few are within the quadrature's error, the same
+  // way in each of the cells: what is missing is for a test of the integral to tell.
+  const double unsure = kQuadratureError * std::sqrt(static_cast<double>(waves.size()) * samples);
+  if (expected.back() < unsure + 5 && observed.back() < 5) {
     expected.pop_back();
     observed.pop_back();
   }
-  return {ChiSquareTest(observed, expected), integral};
+  DirectionTestResult result = {ChiSquareTest(observed, expected), integral, {}, 0};
+  if (result.chi_square.degrees < 1) return result;
+  result.error = error ? *error : LeastErrorFound(expected, waves, result.chi_square.degrees);
+  result.control = ChiSquareTest(observed, Tilt(expected, waves, result.error));
+  return result;
 }
 
 }  // namespace strata

@@ -5,20 +5,15 @@
 #include <cmath>
 #include <numbers>
 
+#include "tests/transport/cameras.h"
+
 namespace strata {
 namespace {
 
 CameraDescription At(Vec3d eye, Vec3d look) {
-  CameraDescription camera;
-  camera.camera_to_world = *Transform::LookAt(eye, look, {0, 1, 0})->Inverse();
+  CameraDescription camera = CameraAt(CameraKind::kPerspective, eye, look);
   camera.fov = 60;
   return camera;
-}
-
-void ExpectNear(Vec3f a, Vec3f b) {
-  EXPECT_NEAR(a.x, b.x, 1e-5);
-  EXPECT_NEAR(a.y, b.y, 1e-5);
-  EXPECT_NEAR(a.z, b.z, 1e-5);
 }
 
 TEST(CameraTest, CenterLooksForwardAndTheShorterEdgeSpansTheFieldOfView) {
@@ -54,22 +49,7 @@ TEST(CameraTest, ScreenWindowAndAspectCanBeGiven) {
 }
 
 TEST(CameraTest, LensBlursByItsCircleOfConfusion) {
-  CameraDescription description = At({0, 0, 0}, {0, 0, 1});
-  description.lens_radius = 0.2f;
-  description.focal_distance = 4;
-  const Camera camera = *Camera::Create(description, 64, 64);
-  for (const Vec2f pixel : {Vec2f{32, 32}, Vec2f{7, 50}}) {
-    const auto at_depth = [&](Vec2f lens, float z) {
-      const Ray ray = camera.GenerateRay(pixel, lens);
-      return ray.origin + ray.direction * ((z - ray.origin.z) / ray.direction.z);
-    };
-    for (const Vec2f lens : {Vec2f{1, 0}, Vec2f{0, -1}, Vec2f{0.6f, 0.8f}}) {
-      ExpectNear(at_depth(lens, 4), at_depth({}, 4));
-      // Radius of the circle at depth z: lens radius times |z - f| / f.
-      for (const float z : {1.0f, 3.0f, 8.0f})
-        EXPECT_NEAR(Length(at_depth(lens, z) - at_depth({}, z)), 0.2f * std::abs(z - 4) / 4, 1e-5);
-    }
-  }
+  ExpectCirclesOfConfusion(At({0, 0, 0}, {0, 0, 1}));
 }
 
 TEST(CameraTest, RefusesWhatMakesNoPicture) {

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "tests/transport/cameras.h"
 #include "tests/transport/kernels.h"
 #include "tests/transport/test_scene.h"
-#include "worker/integrator/camera.h"
 
 // Cameras that are not perspective: what they see of simple scenes is known in closed form.
 
@@ -14,21 +14,8 @@ namespace {
 
 constexpr float kPiFloat = std::numbers::pi_v<float>;
 
-CameraDescription Looking(CameraKind kind, Vec3d eye, Vec3d look) {
-  CameraDescription camera;
-  camera.kind = kind;
-  camera.camera_to_world = *Transform::LookAt(eye, look, {0, 1, 0})->Inverse();
-  return camera;
-}
-
-void ExpectNear(Vec3f a, Vec3f b) {
-  EXPECT_NEAR(a.x, b.x, 1e-5);
-  EXPECT_NEAR(a.y, b.y, 1e-5);
-  EXPECT_NEAR(a.z, b.z, 1e-5);
-}
-
 TEST(OrthographicCamera, RaysAreParallelAndTheShorterEdgeSpansTwoUnits) {
-  const CameraDescription description = Looking(CameraKind::kOrthographic, {1, 2, 3}, {1, 2, 9});
+  const CameraDescription description = CameraAt(CameraKind::kOrthographic, {1, 2, 3}, {1, 2, 9});
   const Camera camera = *Camera::Create(description, 200, 100);
   for (const Vec2f point : {Vec2f{0, 0}, Vec2f{100, 50}, Vec2f{200, 7}})
     ExpectNear(camera.GenerateRay(point, {}).direction, {0, 0, 1});
@@ -39,7 +26,7 @@ TEST(OrthographicCamera, RaysAreParallelAndTheShorterEdgeSpansTwoUnits) {
 }
 
 TEST(OrthographicCamera, TheWindowIsInUnitsOfItsSpace) {
-  CameraDescription description = Looking(CameraKind::kOrthographic, {0, 0, 0}, {0, 0, 1});
+  CameraDescription description = CameraAt(CameraKind::kOrthographic, {0, 0, 0}, {0, 0, 1});
   description.camera_to_world = description.camera_to_world * Transform::Scale(3, 3, 3);
   description.screen_window = {{-2, 4, -1, 1}};
   const Camera camera = *Camera::Create(description, 64, 64);
@@ -49,25 +36,11 @@ TEST(OrthographicCamera, TheWindowIsInUnitsOfItsSpace) {
 }
 
 TEST(OrthographicCamera, LensBlursByItsCircleOfConfusion) {
-  CameraDescription description = Looking(CameraKind::kOrthographic, {0, 0, 0}, {0, 0, 1});
-  description.lens_radius = 0.2f;
-  description.focal_distance = 4;
-  const Camera camera = *Camera::Create(description, 64, 64);
-  for (const Vec2f pixel : {Vec2f{32, 32}, Vec2f{7, 50}}) {
-    const auto at_depth = [&](Vec2f lens, float z) {
-      const Ray ray = camera.GenerateRay(pixel, lens);
-      return ray.origin + ray.direction * ((z - ray.origin.z) / ray.direction.z);
-    };
-    for (const Vec2f lens : {Vec2f{1, 0}, Vec2f{0, -1}, Vec2f{0.6f, 0.8f}}) {
-      ExpectNear(at_depth(lens, 4), at_depth({}, 4));
-      for (const float z : {1.0f, 3.0f, 8.0f})
-        EXPECT_NEAR(Length(at_depth(lens, z) - at_depth({}, z)), 0.2f * std::abs(z - 4) / 4, 1e-5);
-    }
-  }
+  ExpectCirclesOfConfusion(CameraAt(CameraKind::kOrthographic, {0, 0, 0}, {0, 0, 1}));
 }
 
 TEST(SphericalCamera, EquirectangularColumnsAreLongitudesAndRowsColatitudes) {
-  CameraDescription description = Looking(CameraKind::kSpherical, {0, 0, 0}, {0, 0, 1});
+  CameraDescription description = CameraAt(CameraKind::kSpherical, {0, 0, 0}, {0, 0, 1});
   description.spherical_mapping = EnvironmentMapping::kLatLong;
   const Camera camera = *Camera::Create(description, 400, 200);
   const auto toward = [&](float x, float y) { return camera.GenerateRay({x, y}, {}).direction; };
@@ -82,7 +55,7 @@ TEST(SphericalCamera, EquirectangularColumnsAreLongitudesAndRowsColatitudes) {
 
 TEST(SphericalCamera, TheEqualAreaSquareGoesOnOverItsEdges) {
   const Camera camera =
-      *Camera::Create(Looking(CameraKind::kSpherical, {0, 0, 0}, {0, 0, 1}), 100, 100);
+      *Camera::Create(CameraAt(CameraKind::kSpherical, {0, 0, 0}, {0, 0, 1}), 100, 100);
   const auto toward = [&](float x, float y) { return camera.GenerateRay({x, y}, {}).direction; };
   ExpectNear(toward(50, 50), {0, 1, 0});  // Up is in the middle, down at the corners.
   ExpectNear(toward(0, 0), {0, -1, 0});
@@ -101,7 +74,7 @@ TEST(SphericalCamera, EveryPixelOfAConstantEnvironmentIsItsRadiance) {
        {EnvironmentMapping::kEqualArea, EnvironmentMapping::kLatLong}) {
     TestScene scene;
     scene.Light(ConstantInfiniteLightDescription{{0.5f, 0.75f, 0.25f}});
-    scene.description.camera = Looking(CameraKind::kSpherical, {0, 0, 0}, {1, 2, 3});
+    scene.description.camera = CameraAt(CameraKind::kSpherical, {0, 0, 0}, {1, 2, 3});
     scene.description.camera.spherical_mapping = mapping;
     JobSpec spec = TestSpec(16, 64, 2);
     spec.filter = DefaultFilter(FilterKind::kTriangle);
@@ -121,18 +94,18 @@ TestScene Lamp(Vec3f center, float radius, CameraDescription camera) {
 
 TEST(OrthographicCamera, ASphereCoversItsCrossSection) {
   const TestScene scene =
-      Lamp({0.1f, -0.2f, 5}, 0.7f, Looking(CameraKind::kOrthographic, {0, 0, 0}, {0, 0, 1}));
+      Lamp({0.1f, -0.2f, 5}, 0.7f, CameraAt(CameraKind::kOrthographic, {0, 0, 0}, {0, 0, 1}));
   ExpectMean(RenderFrame(BuildScene(scene), TestSpec(32, 512, 1)), kPiFloat * 0.49 / 4);
 }
 
 TEST(SphericalCamera, ASphereCoversItsSolidAngleOfTheEqualAreaSquare) {
   const TestScene scene =
-      Lamp({1, -2, 2}, 1.5f, Looking(CameraKind::kSpherical, {0, 0, 0}, {0, 0, 1}));
+      Lamp({1, -2, 2}, 1.5f, CameraAt(CameraKind::kSpherical, {0, 0, 0}, {0, 0, 1}));
   ExpectMean(RenderFrame(BuildScene(scene), TestSpec(32, 512, 1)), (1 - std::sqrt(1 - 0.25)) / 2);
 }
 
 TEST(SphericalCamera, ASphereAboveCoversItsAngleOfTheEquirectangularFrame) {
-  TestScene scene = Lamp({0, 3, 0}, 1.5f, Looking(CameraKind::kSpherical, {0, 0, 0}, {0, 0, 1}));
+  TestScene scene = Lamp({0, 3, 0}, 1.5f, CameraAt(CameraKind::kSpherical, {0, 0, 0}, {0, 0, 1}));
   scene.description.camera.spherical_mapping = EnvironmentMapping::kLatLong;
   ExpectMean(RenderFrame(BuildScene(scene), TestSpec(32, 512, 1)), 1.0 / 6);
 }
@@ -153,13 +126,13 @@ TEST(KernelsOfCameras, NearlyEverySampleIsTheSame) {
   TestScene scene = Surroundings();
   JobSpec spec = TestSpec(32, 64, 6);
   spec.filter = DefaultFilter(FilterKind::kGaussian);
-  scene.description.camera = Looking(CameraKind::kOrthographic, {0, 2, -4}, {0, 0.5, 0});
+  scene.description.camera = CameraAt(CameraKind::kOrthographic, {0, 2, -4}, {0, 0.5, 0});
   scene.description.camera.lens_radius = 0.1f;
   scene.description.camera.focal_distance = 4;
   EXPECT_GE(AgreeingShare(BuildScene(scene), spec, 1e-5), 0.999);
   for (const EnvironmentMapping mapping :
        {EnvironmentMapping::kEqualArea, EnvironmentMapping::kLatLong}) {
-    scene.description.camera = Looking(CameraKind::kSpherical, {0, 1.2, 0}, {0, 1.2, 1});
+    scene.description.camera = CameraAt(CameraKind::kSpherical, {0, 1.2, 0}, {0, 1.2, 1});
     scene.description.camera.spherical_mapping = mapping;
     EXPECT_GE(AgreeingShare(BuildScene(scene), spec, 1e-5), 0.999);
   }
