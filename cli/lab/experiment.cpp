@@ -15,6 +15,10 @@ constexpr std::array kExperiments = {
                "Rectangle, trapezoid, Simpson and Gauss-Legendre rules against Monte Carlo and "
                "Sobol' points in 1 to 8 dimensions.",
                "evaluations of the integrand for one estimate", 65536, true, RunQuadrature},
+    Experiment{"routines",
+               "Where the sampling routines put their points, and the means of these beside their "
+               "closed forms.",
+               "points for each row", 100000, false, RunRoutines},
     Experiment{"intervals",
                "How many estimates lie within 1, 2 and 3 sigma, beside Chebyshev's bound and the "
                "normal distribution's share.",

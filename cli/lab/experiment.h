@@ -83,6 +83,7 @@ const Experiment* FindExperiment(std::string_view name);
 
 // One file each.
 absl::StatusOr<Outcome> RunQuadrature(const Settings& settings);
+absl::StatusOr<Outcome> RunRoutines(const Settings& settings);
 absl::StatusOr<Outcome> RunIntervals(const Settings& settings);
 absl::StatusOr<Outcome> RunImportance(const Settings& settings);
 absl::StatusOr<Outcome> RunIrradiance(const Settings& settings);

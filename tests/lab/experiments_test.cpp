@@ -12,7 +12,7 @@ namespace strata::lab {
 namespace {
 
 TEST(Experiments, HaveNamesSentencesAndTheSameNumbersEachTime) {
-  EXPECT_EQ(Experiments().size(), 8u);
+  EXPECT_EQ(Experiments().size(), 9u);
   EXPECT_EQ(FindExperiment("no-such"), nullptr);
   for (const Experiment& experiment : Experiments()) {
     EXPECT_EQ(std::string_view(experiment.sentence).back(), '.') << experiment.name;
@@ -22,6 +22,18 @@ TEST(Experiments, HaveNamesSentencesAndTheSameNumbersEachTime) {
   const Records other = RecordsOf("importance", 1000, 2);
   EXPECT_EQ(one.Number({"0"}, kVariance), two.Number({"0"}, kVariance));
   EXPECT_NE(one.Number({"0"}, kVariance), other.Number({"0"}, kVariance));
+}
+
+TEST(Routines, MeansAreThoseOfClosedForms) {
+  const Records records = RecordsOf("routines");
+  ASSERT_EQ(records.rows.size(), 16u);
+  for (const std::vector<Cell>& row : records.rows) {
+    const std::string name = ToText(row[0]);
+    const double error = records.Number({name}, "standard error");
+    // Another density than the named one would be off by per cents.
+    EXPECT_LT(error, 0.005 * records.Number({name}, "truth")) << name;
+    EXPECT_NEAR(records.Number({name}, "mean"), records.Number({name}, "truth"), 4 * error) << name;
+  }
 }
 
 TEST(Importance, VarianceIsThatOfTheoryAndZeroForTheRightDensity) {

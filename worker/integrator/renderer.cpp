@@ -51,6 +51,7 @@ absl::Status CheckUnit(const WorkUnit& unit, const JobSpec& spec) {
 /// The pixels of the frame whose camera rays may meet something.
 PixelRect PixelsThatMayHit(const Scene& scene, const Camera& camera, const JobSpec& spec) {
   const PixelRect all = {0, 0, spec.width, spec.height};
+  if (!scene.options().skip_background) return all;
   const std::optional<Camera::FrameRect> rect = camera.RectOf(scene.geometry().bounds());
   if (!rect) return all;
   // A sample is taken within the filter's radius of the middle of its pixel; another pixel is for

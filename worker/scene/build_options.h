@@ -14,12 +14,13 @@ enum class LightSelection : uint8_t {
 /// What benches turn off to show its worth.
 struct BuildOptions {
   LightSelection selection = LightSelection::kTree;
-  bool quads = true;          ///< Two triangles that make a parallelogram are one light.
-  bool solid_angle = true;    ///< Near rectangles are sampled by solid angle.
-  bool compensate = true;     ///< Environment images are sampled where they are above their mean.
-  bool mirrors = true;        ///< Paths are guided to images of lamps in metal rectangles.
-  bool least_kernel = true;   ///< The fast kernel is compiled for what the scene needs.
-  bool few_triangles = true;  ///< The fast kernel traces small scenes without a hierarchy.
+  bool quads = true;            ///< Two triangles that make a parallelogram are one light.
+  bool solid_angle = true;      ///< Near rectangles are sampled by solid angle.
+  bool compensate = true;       ///< Environment images are sampled where they are above their mean.
+  bool mirrors = true;          ///< Paths are guided to images of lamps in metal rectangles.
+  bool least_kernel = true;     ///< The fast kernel is compiled for what the scene needs.
+  bool skip_background = true;  ///< Pixels that see nothing else are not traced.
+  bool few_triangles = true;    ///< The fast kernel traces small scenes without a hierarchy.
 };
 
 }  // namespace strata

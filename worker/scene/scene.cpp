@@ -27,6 +27,7 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Build(SceneDescription descr
                                                           const FileSource& source,
                                                           const BuildOptions& options) {
   std::shared_ptr<Scene> scene(new Scene());
+  scene->options_ = options;
   scene->origin_ = Recentre(description);
   scene->camera_ = description.camera;
   scene->defaults_ = description.defaults;

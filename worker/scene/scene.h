@@ -8,6 +8,7 @@
 #include "worker/geometry/texture.h"
 #include "worker/light/light_set.h"
 #include "worker/light/mirror_images.h"
+#include "worker/scene/build_options.h"
 #include "worker/scene/description.h"
 #include "worker/scene/features.h"
 #include "worker/scene/file_source.h"
@@ -27,6 +28,7 @@ class Scene {
   const MaterialSet& materials() const { return *materials_; }
   const LightSet& lights() const { return *lights_; }
   const MirrorImages& mirror_images() const { return mirror_images_; }
+  const BuildOptions& options() const { return options_; }
   /// Features that a kernel must have for this scene.
   uint32_t features() const { return features_; }
   const CameraDescription& camera() const { return camera_; }
@@ -37,6 +39,7 @@ class Scene {
  private:
   Scene() = default;
 
+  BuildOptions options_;
   Vec3d origin_;
   CameraDescription camera_;
   FrameDefaults defaults_;
