@@ -1,6 +1,8 @@
 // What techniques are worth: variance, cost and efficiency of whole frames with each technique of
 // light sampling and without it, by each strategy, and by each kind of roulette.
 
+#include <absl/strings/numbers.h>
+#include <absl/strings/strip.h>
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
@@ -70,30 +72,69 @@ const Table& SceneTechniques() {
   return techniques;
 }
 
+/// The same numbers anywhere.
+class Uniform {
+ public:
+  float operator()(float low, float high) {
+    return low + (high - low) * static_cast<float>(random_() >> 8) * 0x1p-24f;
+  }
+
+ private:
+  std::mt19937 random_{1};
+};
+
+SceneDescription GrayScene() {
+  SceneDescription scene;
+  scene.textures.push_back(ConstantTexture{Rgb::Gray(0.5f)});
+  scene.materials.push_back(DiffuseMaterial{0});
+  return scene;
+}
+
+void AddBox(SceneDescription* scene, Vec3f low, Vec3f high) {
+  TriangleMeshShape box;
+  for (int i = 0; i < 8; ++i)
+    box.positions.push_back(
+        {i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z});
+  box.triangles = {{0, 1, 3}, {0, 3, 2}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
+                   {2, 3, 7}, {2, 7, 6}, {0, 2, 6}, {0, 6, 4}, {1, 3, 7}, {1, 7, 5}};
+  scene->shapes.emplace_back().geometry = box;
+}
+
+/// A closed room with `boxes` on its floor and in the air, lit by a lamp of two triangles: 12 for
+/// the room and each box.
+SceneDescription RoomOfBoxes(int boxes) {
+  Uniform uniform;
+  SceneDescription scene = GrayScene();
+  AddBox(&scene, {-1, -1, -1}, {1, 1, 1});
+  for (int i = 0; i < boxes; ++i) {
+    const Vec3f size = {uniform(0.1f, 0.4f), uniform(0.1f, 0.4f), uniform(0.1f, 0.4f)};
+    const Vec3f at = {uniform(-0.9f, 0.5f), uniform(-0.4f, 0.5f), uniform(-1, 0.3f)};
+    AddBox(&scene, at, at + size);
+  }
+  TriangleMeshShape lamp;
+  lamp.positions = {
+      {-0.3f, -0.3f, 0.99f}, {-0.3f, 0.3f, 0.99f}, {0.3f, 0.3f, 0.99f}, {0.3f, -0.3f, 0.99f}};
+  lamp.triangles = {{0, 1, 2}, {0, 2, 3}};
+  ShapeDescription& shape = scene.shapes.emplace_back();
+  shape.geometry = lamp;
+  shape.emission = AreaEmission{Rgb::Gray(10)};
+  scene.camera.camera_to_world =
+      *Transform::LookAt({0, -0.95, 0}, {0, 0, -0.2}, {0, 0, 1})->Inverse();
+  scene.camera.fov = 70;
+  scene.defaults.max_depth = 12;
+  return scene;
+}
+
 /// A hall of 200 x 200 x 5 metres, with shelves, under 10,000 small lamps of many strengths that
 /// shine down and a little aside. The camera looks at the floor: lamps in view are noise that no
 /// way of choosing among them removes.
 SceneDescription ManyLights() {
-  std::mt19937 random(1);
-  const auto uniform = [&](float low, float high) {  // The same numbers anywhere.
-    return low + (high - low) * static_cast<float>(random() >> 8) * 0x1p-24f;
-  };
-  SceneDescription scene;
-  scene.textures.push_back(ConstantTexture{Rgb::Gray(0.5f)});
-  scene.materials.push_back(DiffuseMaterial{0});
-  const auto add_box = [&](Vec3f low, Vec3f high) {
-    TriangleMeshShape box;
-    for (int i = 0; i < 8; ++i)
-      box.positions.push_back(
-          {i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z});
-    box.triangles = {{0, 1, 3}, {0, 3, 2}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
-                     {2, 3, 7}, {2, 7, 6}, {0, 2, 6}, {0, 6, 4}, {1, 3, 7}, {1, 7, 5}};
-    scene.shapes.emplace_back().geometry = box;
-  };
-  add_box({-100, -100, 0}, {100, 100, 5});
+  Uniform uniform;
+  SceneDescription scene = GrayScene();
+  AddBox(&scene, {-100, -100, 0}, {100, 100, 5});
   for (int i = 0; i < 2000; ++i) {
     const Vec3f at = {uniform(-99, 99), uniform(-99, 99), 0};
-    add_box(at, at + Vec3f{uniform(0.2f, 2), uniform(0.2f, 2), uniform(0.2f, 3)});
+    AddBox(&scene, at, at + Vec3f{uniform(0.2f, 2), uniform(0.2f, 2), uniform(0.2f, 3)});
   }
   for (int i = 0; i < 10000; ++i) {
     TriangleMeshShape lamp;
@@ -117,6 +158,9 @@ SceneDescription ManyLights() {
 
 absl::StatusOr<std::shared_ptr<const Scene>> LoadWith(const std::string& path,
                                                       const BuildOptions& build) {
+  int boxes = 0;
+  if (absl::SimpleAtoi(absl::StripPrefix(path, "room-"), &boxes) && path.starts_with("room-"))
+    return Scene::Build(RoomOfBoxes(boxes), DirectorySource("."), build);
   if (path == "many-lights") return Scene::Build(ManyLights(), DirectorySource("."), build);
   const std::filesystem::path file = std::filesystem::absolute(path);
   return LoadScene(DirectorySource(file.parent_path()), file.filename().string(), build);
@@ -207,7 +251,9 @@ int Main(int argc, char** argv) {
   CLI::App app("Techniques one by one: variance, cost, efficiency");
   std::vector<std::string> scenes;
   Options options;
-  app.add_option("scenes", scenes, "pbrt files, or \"many-lights\": 10,000 of them")->required();
+  app.add_option("scenes", scenes,
+                 "pbrt files, \"many-lights\": 10,000 of them, or \"room-N\": with N boxes")
+      ->required();
   std::string table_name = "scene";
   app.add_option("--table", table_name, "what is compared")
       ->check(CLI::IsMember({"scene", "strategies", "roulette"}));

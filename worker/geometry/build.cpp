@@ -62,12 +62,6 @@ bool HasAlpha(const ShapeGroup& group) {
                      [](const CurvedShape& shape) { return shape.alpha.texture != kNoTexture; });
 }
 
-bool HasTrianglesOnly(const ShapeGroup& group) {
-  return group.masked.triangles.empty() && group.curved.empty() &&
-         std::all_of(group.curves.begin(), group.curves.end(),
-                     [](const CurveSet& set) { return set.segments.empty(); });
-}
-
 void Finish(CurveSets* sets) {
   for (CurveSet& set : *sets) {
     if (!set.normals.empty()) set.normals.emplace_back();
@@ -148,7 +142,7 @@ absl::StatusOr<std::unique_ptr<Geometry>> Geometry::Build(const SceneDescription
     geometry->has_alpha_ |= HasAlpha(*group);
   };
   finish(&state.world);
-  if (options.few_triangles && state.instances.empty() && HasTrianglesOnly(state.world))
+  if (options.few_triangles && state.instances.empty() && state.world.HasPlainTrianglesOnly())
     state.few = FewTriangles(state.world.triangles);
   Box bounds = BoundsOf(state.world);
   absl::flat_hash_map<const ShapeGroup*, Box> object_bounds;

@@ -33,8 +33,10 @@ struct ShapeGroup {
   RTCScene scene = nullptr;
   const Geometry::State* state = nullptr;  ///< That it belongs to.
 
-  bool IsEmpty() const {
-    return triangles.triangles.empty() && masked.triangles.empty() && curved.empty() &&
+  bool IsEmpty() const { return triangles.triangles.empty() && HasPlainTrianglesOnly(); }
+  /// Nothing but `triangles`, if that.
+  bool HasPlainTrianglesOnly() const {
+    return masked.triangles.empty() && curved.empty() &&
            std::all_of(curves.begin(), curves.end(),
                        [](const CurveSet& set) { return set.segments.empty(); });
   }

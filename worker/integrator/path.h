@@ -25,7 +25,8 @@ struct PathSettings {
   /// Throughput from which on a path surely goes on; 0: no roulette. At a half variance times time
   /// is near its least on the shared scenes (docs/performance.md).
   float sure_survival = 0.5f;
-  bool first_hit = false;  ///< Whether PathSample::hit and what follows it is wanted.
+  bool first_hit = false;  ///< Whether PathSample::hit and what follows it is wanted,
+  bool albedo = false;     ///< and of that the albedo.
 };
 
 /// What one path found.
@@ -227,7 +228,7 @@ class PathTracer {
     result_.hit = true;
     result_.normal = vertex.frame.z;
     result_.position = vertex.point.p;
-    result_.albedo = Albedo(*vertex.bsdf, vertex.wo);
+    if (settings_.albedo) result_.albedo = Albedo(*vertex.bsdf, vertex.wo);
   }
 
   /// Guides lead to a reflector and on to a lamp: two bounces more.

@@ -124,8 +124,7 @@ class PathLanes {
     if (!Any(going)) return alive;
     StartGuides(going);
     // The choice of a light takes half of it, roulette the other.
-    select_drawn_ = ChoosesLights();
-    if (select_drawn_) u_select_ = Get2D(kPairSelect, going);
+    if (ChoosesLights()) u_select_ = Get2D(kPairSelect, going);
     AddDirectLight(going);
     going = Scatter(going);
     going = SurviveRoulette(going);
@@ -224,6 +223,7 @@ class PathLanes {
     sample.hit = true;
     sample.normal = frame_.z.Get(lane);
     sample.position = surface_.p.Get(lane);
+    if (!settings_.albedo) return;
     sample.albedo = lambertian_[lane] ? Albedo(DiffuseBsdf{reflectance_.Get(lane)}, {})
                                       : Albedo(*bsdf_[lane], frame_.Get(lane).ToLocal(wo));
   }
@@ -339,7 +339,7 @@ class PathLanes {
     const MaskLanes plays = mask & (depth_ >= 1) & (throughput < sure_survival_);
     if (!Any(plays)) return mask;
     const FloatLanes survival = SurvivalProbability(throughput, sure_survival_);
-    if (!select_drawn_) u_select_ = Get2D(kPairSelect, plays);
+    if (!ChoosesLights()) u_select_ = Get2D(kPairSelect, plays);
     const MaskLanes survives = u_select_.y < survival;
     beta_ = Select(plays, beta_ * (1 / survival), beta_);
     return mask & (~plays | survives);
@@ -377,9 +377,8 @@ class PathLanes {
   std::array<const Bsdf*, kLanes> bsdf_ = {};
   std::array<Vec3f, kLanes> wo_;          ///< Local; not of Lambertian lanes.
   std::array<BsdfRoom, kLanes> varying_;  ///< For BSDFs that are not the same over the surface.
-  Vec2Lanes u_select_;
-  bool select_drawn_ = false;  ///< u_select_ is set for all lanes that go on.
-  MaskLanes guided_ = {};      ///< Directions may come from guides_.
+  Vec2Lanes u_select_;                    ///< Of kPairSelect.
+  MaskLanes guided_ = {};                 ///< Directions may come from guides_.
   std::array<MirrorGuide, kLanes> guides_;
 };
 

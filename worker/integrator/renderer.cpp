@@ -82,7 +82,8 @@ absl::StatusOr<std::unique_ptr<Renderer>> Renderer::Create(std::shared_ptr<const
       .filter = FilterSampler(spec.filter),
       .settings = {.max_depth = spec.max_depth,
                    .direct = spec.strategy,
-                   .first_hit = LayoutOf(spec).plain > 0},
+                   .first_hit = LayoutOf(spec).plain > 0,
+                   .albedo = spec.channels.albedo},
       .roulette =
           RouletteMap(spec.width, spec.height,
                       spec.roulette == RouletteKind::kOff ? 0 : PathSettings().sure_survival),

@@ -45,8 +45,8 @@ struct RowLanes {
   FloatLanes v[4];
 };
 /// base[index] to base[index + 3] of each lane in `mask`; the others read from `base` itself. Eight
-/// loads and a transposition: on processors whose gathers go element by element this takes a third
-/// of the time of four of them.
+/// loads and a transposition: many processors gather element by element, which four gathers would
+/// do four times.
 inline RowLanes GatherRows(const float* base, IntLanes index, MaskLanes mask) {
   alignas(32) int32_t at[kLanes];
   _mm256_store_si256(reinterpret_cast<__m256i*>(at), reinterpret_cast<__m256i>(index & mask));

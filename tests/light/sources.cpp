@@ -1,0 +1,107 @@
+#include "tests/light/sources.h"
+
+#include <utility>
+
+#include "tests/statistics/random.h"
+
+namespace strata {
+namespace {
+
+ShapeDescription Emissive(ShapeGeometry geometry, const Transform& to_world, bool two_sided) {
+  ShapeDescription shape;
+  shape.geometry = std::move(geometry);
+  shape.to_world = to_world;
+  shape.emission = AreaEmission{{3, 2, 1}, two_sided};
+  return shape;
+}
+
+/// Faces down, at height 1.5.
+TriangleMeshShape Board() {
+  TriangleMeshShape mesh;
+  mesh.positions = {
+      {-0.4f, -0.3f, 1.5f}, {-0.4f, 0.5f, 1.5f}, {0.6f, 0.5f, 1.5f}, {0.6f, -0.3f, 1.5f}};
+  mesh.uvs = {{0, 0}, {0, 1}, {1, 1}, {1, 0}};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  return mesh;
+}
+
+const Transform kAbove = Transform::Translate(0.3, 0.1, 1.5);
+/// A light's z axis turned down, a little aslant.
+const Transform kDown = kAbove * Transform::Rotate(170, 1, 0.3, 0);
+
+}  // namespace
+
+std::vector<Source> Sources(const LightFiles& files) {
+  TestRandom random(21);
+  std::vector<Rgb> picture, sky;
+  for (int i = 0; i < 12 * 8; ++i) picture.push_back(Rgb::Gray(i % 7 == 0 ? 0 : random.Float()));
+  for (int i = 0; i < 16 * 16; ++i)
+    sky.push_back(Rgb::Gray(i % 5 == 0 ? 0 : i == 130 ? 40 : random.Float()));
+  files.WriteImage("picture.pfm", 12, 8, picture);
+  files.WriteImage("sky.pfm", 16, 16, sky);
+  files.Write("lamp.ies",
+              "TILT=NONE\n1 -1 1 4 3 1 2 0 0 0 1 1 9\n0 30 60 120\n0 45 90\n"
+              "9 7 3 0 9 8 5 2 9 4 1 0\n");
+  const auto shape = [](ShapeGeometry geometry, const Transform& to_world, bool two_sided) {
+    return [=](SceneDescription* scene) {
+      scene->shapes.push_back(Emissive(geometry, to_world, two_sided));
+    };
+  };
+  const auto light = [](decltype(LightDescription::light) description) {
+    return [=](SceneDescription* scene) { scene->lights.push_back({{}, description}); };
+  };
+  TriangleMeshShape triangle = Board();
+  triangle.triangles.pop_back();
+  BilinearPatchShape patch;
+  patch.positions = {
+      {-0.5f, -0.5f, 1.4f}, {-0.4f, 0.6f, 1.6f}, {0.5f, -0.5f, 1.7f}, {0.6f, 0.5f, 1.5f}};
+  patch.patches = {{0, 1, 2, 3}};
+  SpotLightDescription spot;
+  spot.position = {0.3, 0.1, 1.5};
+  spot.direction = Normalize(Vec3f{0.1f, 0.2f, -1});
+  spot.intensity = {3, 2, 1};
+  spot.cone_angle = 60;
+  spot.falloff_start = 20;
+  ProjectionLightDescription projection;
+  projection.path = "picture.pfm";
+  projection.to_world = kDown;
+  GoniometricLightDescription lamp;
+  lamp.path = "lamp.ies";
+  lamp.to_world = kAbove * Transform::Rotate(100, 1, 0, 0);
+  lamp.intensity = {3, 2, 1};
+  ImageInfiniteLightDescription image;
+  image.path = "sky.pfm";
+  image.to_world = Transform::Rotate(20, 1, 2, 3);
+  ImageInfiniteLightDescription portal = image;
+  portal.portal = {Vec3d{-0.5, -0.4, 1.5}, {-0.5, 0.6, 1.5}, {0.7, 0.6, 1.5}, {0.7, -0.4, 1.5}};
+  const auto textured = [](SceneDescription* scene) {
+    scene->textures = {ConstantTexture{}, ConstantTexture{{1, 0.8f, 0.2f}},
+                       CheckerboardTexture{0, 1, {4, 4}}};
+    scene->shapes.push_back(Emissive(Board(), {}, false));
+    scene->shapes.back().emission->texture = 2;
+  };
+  const Transform egg = kAbove * Transform::Scale(0.3, 0.2, 0.4);
+  return {
+      {"triangle", shape(triangle, {}, false)},
+      {"rectangle", shape(Board(), {}, false)},
+      {"rectangle of two sides", shape(Board(), {}, true)},
+      {"sphere", shape(SphereShape{0.4f, -0.4f, 0.4f, 360}, kAbove, false)},
+      {"sphere of two sides", shape(SphereShape{0.4f, -0.4f, 0.4f, 360}, kAbove, true)},
+      {"disk", shape(DiskShape{.radius = 0.5f}, kDown, false)},
+      {"cylinder", shape(CylinderShape{0.3f, -0.4f, 0.4f, 250}, kDown, true)},
+      {"spheroid", shape(SphereShape{1, -1, 1, 360}, egg, false)},
+      {"bilinear patch", shape(patch, {}, true)},
+      // Its power, and that of the portal, are sums over points of a grid.
+      {"textured rectangle", textured, false, 0.02},
+      {"point", light(PointLightDescription{{0.3, 0.1, 1.5}, {3, 2, 1}})},
+      {"spot", light(spot)},
+      {"projection", light(projection)},
+      {"goniometric", light(lamp)},
+      {"distant", light(DistantLightDescription{Normalize(Vec3f{0.3f, 0.2f, 1}), {3, 2, 1}}), true},
+      {"constant sky", light(ConstantInfiniteLightDescription{{3, 2, 1}}), true},
+      {"image of a sky", light(image), true},
+      {"portal to a sky", light(portal), false, 2e-3},
+  };
+}
+
+}  // namespace strata
