@@ -294,6 +294,26 @@ TEST(PortalDirections, GoThroughThePortal) {
   EXPECT_GT(past, 5000);
 }
 
+// Where a direction is along the portal no solid angle is left of the square in floats.
+TEST(PortalDirections, HaveADensityAlongThePortal) {
+  const LightFiles files;
+  files.WriteImage("sky.pfm", 32, 32, Sunny(32, 32));
+  const auto portal = PortalImage::Load(PortalTo("sky.pfm"), files.source());
+  ASSERT_TRUE(portal.ok()) << portal.status();
+  const PortalEnvironment light = {&*portal};
+  int along = 0;
+  for (const Vec3f axis : {portal->axes.x, portal->axes.y, -portal->axes.x, -portal->axes.y}) {
+    for (int i = 0; i < 1000; ++i) {
+      const Vec3f w = Normalize(axis + portal->axes.z * (1e-9f * static_cast<float>(i)));
+      const Vec3f local = portal->axes.ToLocal(w);
+      along += local.z > 0 && !(PortalImage::Density(local) > 0);
+      EXPECT_EQ(PdfLi(light, {0.97f, 0.3f, 0.4f}, w), 0);
+      EXPECT_GE(PdfLe(light, SceneSphere{}, Leaving{.w = -w}).direction, 0);
+    }
+  }
+  EXPECT_GT(along, 0);
+}
+
 TEST(PortalDirections, NeedARectangle) {
   const LightFiles files;
   files.WriteImage("sky.pfm", 1, 1, {Rgb::Gray(1)});

@@ -49,11 +49,12 @@ class DensityChecks {
     EXPECT_LT(control.p, kControlLevel) << name << ": the control was not found";
   }
 
-  /// As TestDirections; what the density's integral must be is the caller's to say.
+  /// As TestDirections, of so many draws that the effort's samples are directions; what the
+  /// density's integral must be is the caller's to say.
   template <typename Sample, typename Pdf>
   DirectionTestResult ExpectDirections(const std::string& name, const Sample& sample,
                                        const Pdf& pdf) {
-    const DirectionTestResult result = TestDirections(sample, pdf, samples(), effort_.error);
+    const DirectionTestResult result = TestDirections(sample, pdf, DrawsFor(sample), effort_.error);
     Expect(name, result.chi_square, result.control);
     if (effort_.error) {
       std::printf("%s: integral %.6f, p = %.3g, control p = %.1e\n", name.c_str(), result.integral,
@@ -64,6 +65,15 @@ class DensityChecks {
   }
 
  private:
+  /// By the share of a thousand draws that give a direction, a hundredth at least.
+  template <typename Sample>
+  int DrawsFor(const Sample& sample) const {
+    constexpr int kPilot = 1000;
+    int directions = 0;
+    for (int i = 0; i < kPilot; ++i) directions += sample().has_value();
+    return static_cast<int>(samples() * (double{kPilot} / std::max(directions, kPilot / 100)));
+  }
+
   DensityEffort effort_;
   double level_;
   int count_ = 0;

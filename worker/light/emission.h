@@ -309,7 +309,9 @@ inline std::optional<EmittedRay> SampleLe(const PortalEnvironment& light, const 
   const PortalImage& portal = *light.portal;
   float pdf = 0;
   const Vec3f local = portal.DirectionAt(portal.distribution.Sample({}, u_w, &pdf));
-  if (!(pdf > 0 && local.z > 0)) return std::nullopt;
+  if (!(local.z > 0)) return std::nullopt;
+  pdf = PortalImage::PerSolidAngle(pdf, local);
+  if (!(pdf > 0)) return std::nullopt;
   const Vec3f direction = portal.axes.ToWorld(local);
   const Vec3f p = portal.corner + portal.axes.x * (u_point.x * portal.width) +
                   portal.axes.y * (u_point.y * portal.height);
@@ -317,14 +319,14 @@ inline std::optional<EmittedRay> SampleLe(const PortalEnvironment& light, const 
                     .ng = -portal.axes.z,
                     .radiance = Le(ImageEnvironment{&portal.sky}, direction),
                     .cosine = local.z,
-                    .pdf = {1 / portal.Area(), pdf / PortalImage::Density(local)}};
+                    .pdf = {1 / portal.Area(), pdf}};
 }
 inline LePdf PdfLe(const PortalEnvironment& light, const SceneSphere&, const Leaving& ray) {
   const PortalImage& portal = *light.portal;
   const Vec3f local = portal.axes.ToLocal(-ray.w);
   const std::optional<Vec2f> st = portal.SquareAt(local);
   if (!st) return {1 / portal.Area(), 0};
-  return {1 / portal.Area(), portal.distribution.Pdf({}, *st) / PortalImage::Density(local)};
+  return {1 / portal.Area(), PortalImage::PerSolidAngle(portal.distribution.Pdf({}, *st), local)};
 }
 /// By the picture at the points of a grid.
 inline Rgb Power(const PortalEnvironment& light, const SceneSphere&) {

@@ -27,9 +27,15 @@ struct PortalImage {
     return Vec2f{0.5f + kInvPi * Atan2(local.x, local.z), 0.5f + kInvPi * Atan2(local.y, local.z)};
   }
   Vec3f DirectionAt(Vec2f st) const;
-  /// Solid angle per area of the square around a local direction.
+  /// Solid angle per area of the square around a local direction; 0 where it is along an edge.
   static float Density(Vec3f local) {
     return kPi * kPi * (1 - local.x * local.x) * (1 - local.y * local.y) / local.z;
+  }
+  /// Per solid angle around a local direction, of a density per area of the square: 0 along the
+  /// square's edges, which no direction that is drawn is told from.
+  static float PerSolidAngle(float pdf, Vec3f local) {
+    const float density = Density(local);
+    return density > 0 ? pdf / density : 0;
   }
   /// The part of the square that is seen through the portal from a point before it; none behind.
   std::optional<Window> WindowFrom(Vec3f from) const;
@@ -63,7 +69,7 @@ inline float PdfLi(const PortalEnvironment& light, Vec3f from, Vec3f direction) 
   const std::optional<Vec2f> st = portal.SquareAt(local);
   if (!st) return 0;
   const std::optional<Window> window = portal.WindowFrom(from);
-  return window ? portal.distribution.Pdf(*window, *st) / PortalImage::Density(local) : 0;
+  return window ? PortalImage::PerSolidAngle(portal.distribution.Pdf(*window, *st), local) : 0;
 }
 
 inline std::optional<LightSample> SampleLi(const PortalEnvironment& light, Vec3f from, Vec2f u) {
@@ -72,11 +78,12 @@ inline std::optional<LightSample> SampleLi(const PortalEnvironment& light, Vec3f
   if (!window) return std::nullopt;
   float pdf = 0;
   const Vec3f local = portal.DirectionAt(portal.distribution.Sample(*window, u, &pdf));
-  if (!(pdf > 0 && local.z > 0)) return std::nullopt;
+  if (!(local.z > 0)) return std::nullopt;
   LightSample sample;
+  sample.pdf = PortalImage::PerSolidAngle(pdf, local);
+  if (!(sample.pdf > 0)) return std::nullopt;
   sample.wi = portal.axes.ToWorld(local);
   sample.radiance = Le(ImageEnvironment{&portal.sky}, sample.wi);
-  sample.pdf = pdf / PortalImage::Density(local);
   sample.infinite = true;
   return sample;
 }
