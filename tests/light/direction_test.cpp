@@ -10,6 +10,7 @@
 #include "tests/light/light_scene.h"
 #include "tests/statistics/density_checks.h"
 #include "tests/statistics/random.h"
+#include "worker/light/emission.h"
 
 // SampleLi of every light draws directions with the density that PdfLi claims: 50000 of each in a
 // chi-square test, and by hand ten million against an error of 1 %:
