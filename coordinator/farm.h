@@ -22,7 +22,7 @@ struct FarmOptions {
   std::filesystem::path state_dir;  ///< Films and uploaded files live here.
   std::string build;                ///< The coordinator's own revision.
   uint32_t kernel_revision = 0;     ///< Workers must match, for reproducible jobs.
-  std::chrono::milliseconds heartbeat{4000};
+  std::chrono::milliseconds heartbeat{6000};
   std::chrono::milliseconds silence{10000};  ///< After which a worker's leases go to others.
   uint32_t max_unit_failures = 3;  ///< Workers a unit may fail or kill before its job fails.
 };

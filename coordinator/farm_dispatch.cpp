@@ -85,6 +85,9 @@ void Farm::State::DispatchTo(const std::vector<std::string>& ids, SteadyTime now
 
 void Farm::State::GrantTo(const std::vector<WorkerRecord*>& those, SteadyTime now) {
   some_wait = false;
+  if (std::all_of(jobs.begin(), jobs.end(),
+                  [](const auto& entry) { return IsFinal(entry.second->state); }))
+    return;
   for (int wanted = 1; wanted <= kLeasesPerWorker; ++wanted) {
     for (WorkerRecord* worker : those) {
       while (leases.Count(worker->id) < wanted) {

@@ -46,7 +46,7 @@ std::optional<int> ParseOptions(int argc, char** argv, Options* options) {
   }
   const auto ms = static_cast<int64_t>(options->silence_s * 1000);
   options->server.farm.silence = std::chrono::milliseconds(ms);
-  options->server.farm.heartbeat = std::chrono::milliseconds(ms * 2 / 5);
+  options->server.farm.heartbeat = std::chrono::milliseconds(ms * 3 / 5);
   return std::nullopt;
 }
 

@@ -15,7 +15,7 @@ inline constexpr int kMaxAnswerBytes = 256 << 20;
 /// Requests to a coordinator may be this large: a job of 65536 files.
 inline constexpr int kMaxRequestBytes = 16 << 20;
 /// A coordinator that does not answer a ping within the second time is taken for gone.
-inline constexpr int kKeepaliveMs = 10'000, kKeepaliveTimeoutMs = 10'000;
+inline constexpr int kKeepaliveMs = 20'000, kKeepaliveTimeoutMs = 10'000;
 /// The coordinator pings less: of workers it hears by their heartbeats.
 inline constexpr int kServerKeepaliveMs = 60'000;
 

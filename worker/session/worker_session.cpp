@@ -89,8 +89,7 @@ void WorkerSession::On(Welcome& welcome) {
   {
     MutexLock lock(mutex_);
     welcomed_ = true;
-    // Twice as often as asked, so that a delayed one does no harm.
-    beat_ = std::chrono::milliseconds(std::max(welcome.heartbeat_ms / 2, 1u));
+    heartbeat_ = std::chrono::milliseconds(std::max(welcome.heartbeat_ms, 2u));
     draining = draining_;
   }
   if (draining) Say(Draining{});
@@ -218,7 +217,8 @@ void WorkerSession::Beat() {
     {
       MutexLock lock(mutex_);
       while (!stopping_) {
-        const Clock::time_point due = last_said_ + beat_;
+        const bool idle = leases_.empty() && !current_;
+        const Clock::time_point due = last_said_ + (idle ? heartbeat_ : heartbeat_ / 2);
         if (!welcomed_) {
           changed_.Wait(mutex_);
         } else if (Clock::now() < due) {

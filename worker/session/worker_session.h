@@ -24,7 +24,8 @@ namespace strata {
 ///
 /// Three threads: one loads (files over the link, then the scene), one renders the units of one
 /// lease after the other while the next job loads, one sends heartbeats whenever nothing else was
-/// sent, whatever the other two are at. No lock is held while anything is sent, loaded or rendered.
+/// sent, whatever the other two are at: with a lease twice as often as asked, so that a delayed one
+/// does no harm. No lock is held while anything is sent, loaded or rendered.
 class WorkerSession {
  public:
   /// What ends a connection from this side. OK: drained, all results are sent.
@@ -112,7 +113,7 @@ class WorkerSession {
   bool draining_ STRATA_GUARDED_BY(mutex_) = false;
   bool left_ STRATA_GUARDED_BY(mutex_) = false;  ///< on_leave_ was called for this connection.
   bool stopping_ STRATA_GUARDED_BY(mutex_) = false;
-  std::chrono::milliseconds beat_ STRATA_GUARDED_BY(mutex_){1000};
+  std::chrono::milliseconds heartbeat_ STRATA_GUARDED_BY(mutex_){1000};  ///< Of the welcome.
   Clock::time_point last_said_ STRATA_GUARDED_BY(mutex_);
   std::map<JobId, std::shared_ptr<Job>> jobs_ STRATA_GUARDED_BY(mutex_);
   std::deque<Lease> leases_ STRATA_GUARDED_BY(mutex_);  ///< Not begun.
