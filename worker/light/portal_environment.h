@@ -27,12 +27,14 @@ struct PortalImage {
     return Vec2f{0.5f + kInvPi * Atan2(local.x, local.z), 0.5f + kInvPi * Atan2(local.y, local.z)};
   }
   Vec3f DirectionAt(Vec2f st) const;
-  /// Solid angle per area of the square around a local direction; 0 where it is along an edge.
+  /// Solid angle per area of the square around a local direction, which is unit: by 1 - x^2 =
+  /// y^2 + z^2, which does not cancel along the square's edges.
   static float Density(Vec3f local) {
-    return kPi * kPi * (1 - local.x * local.x) * (1 - local.y * local.y) / local.z;
+    const float z2 = local.z * local.z;
+    return kPi * kPi * (local.y * local.y + z2) * (local.x * local.x + z2) / local.z;
   }
-  /// Per solid angle around a local direction, of a density per area of the square: 0 along the
-  /// square's edges, which no direction that is drawn is told from.
+  /// Per solid angle around a local direction, of a density per area of the square; 0 so near to
+  /// its edges that Density underflows.
   static float PerSolidAngle(float pdf, Vec3f local) {
     const float density = Density(local);
     return density > 0 ? pdf / density : 0;
