@@ -1,19 +1,10 @@
 #include "tests/light/sources.h"
 
-#include <utility>
-
+#include "tests/light/lamp.h"
 #include "tests/statistics/random.h"
 
 namespace strata {
 namespace {
-
-ShapeDescription Emissive(ShapeGeometry geometry, const Transform& to_world, bool two_sided) {
-  ShapeDescription shape;
-  shape.geometry = std::move(geometry);
-  shape.to_world = to_world;
-  shape.emission = AreaEmission{{3, 2, 1}, two_sided};
-  return shape;
-}
 
 /// Faces down, at height 1.5.
 TriangleMeshShape Board() {
@@ -44,7 +35,7 @@ std::vector<Source> Sources(const LightFiles& files) {
               "9 7 3 0 9 8 5 2 9 4 1 0\n");
   const auto shape = [](ShapeGeometry geometry, const Transform& to_world, bool two_sided) {
     return [=](SceneDescription* scene) {
-      scene->shapes.push_back(Emissive(geometry, to_world, two_sided));
+      scene->shapes.push_back(EmissiveShape(geometry, to_world, two_sided));
     };
   };
   const auto light = [](decltype(LightDescription::light) description) {
@@ -77,7 +68,7 @@ std::vector<Source> Sources(const LightFiles& files) {
   const auto textured = [](SceneDescription* scene) {
     scene->textures = {ConstantTexture{}, ConstantTexture{{1, 0.8f, 0.2f}},
                        CheckerboardTexture{0, 1, {4, 4}}};
-    scene->shapes.push_back(Emissive(Board(), {}, false));
+    scene->shapes.push_back(EmissiveShape(Board(), {}, false));
     scene->shapes.back().emission->texture = 2;
   };
   const Transform egg = kAbove * Transform::Scale(0.3, 0.2, 0.4);
