@@ -202,11 +202,11 @@ TEST(BsdfEnergyControl, AGainOfAPercentIsCaught) {
 }
 
 TEST(BsdfFresnel, KnownValues) {
-  EXPECT_NEAR(FresnelDielectric(1, 1.5f).reflectance, 0.04, 1e-6);
-  EXPECT_NEAR(FresnelDielectric(1, 1 / 1.5f).reflectance, 0.04, 1e-6);
+  EXPECT_NEAR(FresnelDielectric(1.0f, 1.5f).reflectance, 0.04, 1e-6);
+  EXPECT_NEAR(FresnelDielectric(1.0f, 1 / 1.5f).reflectance, 0.04, 1e-6);
   EXPECT_EQ(FresnelDielectric(0.3f, 1 / 1.5f).reflectance, 1);  // Beyond the critical angle.
-  EXPECT_EQ(FresnelDielectric(0.3f, 1).reflectance, 0);
-  EXPECT_NEAR(FresnelDielectric(0, 1.5f).reflectance, 1, 1e-6);
+  EXPECT_EQ(FresnelDielectric(0.3f, 1.0f).reflectance, 0);
+  EXPECT_NEAR(FresnelDielectric(0.0f, 1.5f).reflectance, 1, 1e-6);
   // Brewster's angle: tan = eta, where only the perpendicular part is reflected.
   const float brewster = 1 / std::sqrt(1 + 1.5f * 1.5f);
   const double perpendicular = (1 - 1.5 * 1.5) / (1 + 1.5 * 1.5);

@@ -26,9 +26,17 @@ class AlbedoTable {
   float At(float cos_theta, float alpha) const {
     const Cell a = FindCell(alpha, kAlphas);
     const Cell c = FindCell(cos_theta, kCosines);
-    return Lerp(Lerp(values_[a.index][c.index], values_[a.index][c.index + 1], c.fraction),
-                Lerp(values_[a.index + 1][c.index], values_[a.index + 1][c.index + 1], c.fraction),
-                a.fraction);
+    return Lerp(At(a, c.index), At(a, c.index + 1), c.fraction);
+  }
+
+  /// The function of one alpha at the squares of equal steps of the cosine's root, 0 to 1.
+  static constexpr int kCosines = 33;
+  using Row = std::array<float, kCosines>;
+  Row RowAt(float alpha) const {
+    const Cell a = FindCell(alpha, kAlphas);
+    Row row;
+    for (int c = 0; c < kCosines; ++c) row[c] = At(a, c);
+    return row;
   }
 
   /// Mean over the hemisphere, weighted by the cosine.
@@ -38,7 +46,7 @@ class AlbedoTable {
   }
 
  private:
-  static constexpr int kAlphas = 17, kCosines = 33;
+  static constexpr int kAlphas = 17;
 
   /// Where x lies between `count` nodes at the squares of equal steps.
   struct Cell {
@@ -51,9 +59,12 @@ class AlbedoTable {
     return {index, scaled - static_cast<float>(index)};
   }
   static float Lerp(float a, float b, float t) { return a + (b - a) * t; }
+  float At(Cell a, int cosine) const {
+    return Lerp(values_[a.index][cosine], values_[a.index + 1][cosine], a.fraction);
+  }
 
   /// The integral of the interpolated row f over 4 s^3 ds, s = sqrt(cos).
-  static float CosineWeightedMean(const std::array<float, kCosines>& row) {
+  static float CosineWeightedMean(const Row& row) {
     constexpr int kSteps = 16 * (kCosines - 1);
     double sum = 0;
     for (int i = 0; i < kSteps; ++i) {
@@ -65,7 +76,7 @@ class AlbedoTable {
     return static_cast<float>(sum / kSteps);
   }
 
-  std::array<std::array<float, kCosines>, kAlphas> values_ = {};
+  std::array<Row, kAlphas> values_ = {};
   std::array<float, kAlphas> mean_ = {};
 };
 

@@ -21,6 +21,7 @@ class CoatInterface {
   float RoughReflectance(float cos_theta, float alpha) const {
     return reflectance_.At(cos_theta, alpha);
   }
+  AlbedoTable::Row RoughReflectances(float alpha) const { return reflectance_.RowAt(alpha); }
   /// Cosine-weighted mean of the reflectance over the hemisphere; alpha 0 is the smooth border.
   float MeanReflectance(float alpha) const {
     return alpha == 0 ? smooth_mean_ : reflectance_.Mean(alpha);
@@ -61,9 +62,8 @@ inline CoatDirection EnterCoat(const Coat& coat, float cos_theta) {
   return {coat.interface->RoughReflectance(cos_theta, coat.Alpha()), fresnel.cos_refracted};
 }
 
-/// What the layer lets through along a path of `length` times its thickness.
-inline Rgb CoatTransmittance(const Coat& coat, float length) {
-  const Rgb depth = coat.optical_depth;
+/// What a layer of this optical depth lets through along a path of `length` times its thickness.
+inline Rgb CoatTransmittance(Rgb depth, float length) {
   if (IsBlack(depth)) return Rgb::Gray(1);
   if (depth.r == depth.g && depth.g == depth.b) return Rgb::Gray(Exp(-depth.r * length));
   return {Exp(-depth.r * length), Exp(-depth.g * length), Exp(-depth.b * length)};

@@ -42,7 +42,8 @@ struct CoatedConductorBsdf {
     const float leaving =
         (1 - coat.interface->MeanReflectance(coat.Alpha())) / (coat_eta * coat_eta);
     const Rgb fresnel = FresnelConductor(kMeanCosine, eta, k);
-    const Rgb turn = fresnel * CoatTransmittance(coat, 2 * coat.interface->internal_path());
+    const Rgb turn =
+        fresnel * CoatTransmittance(coat.optical_depth, 2 * coat.interface->internal_path());
     const Rgb returned = fresnel * turn * leaving / (Rgb::Gray(1) - turn * (1 - leaving));
     mean_trapped = MeanTrapped();
     spread = returned * (kInvPi / std::max(mean_trapped, 1e-6f));
@@ -56,7 +57,7 @@ struct CoatedConductorBsdf {
 
   /// What the metal returns at the cosine of its own microfacets, internal reflections included.
   Rgb Series(float cos_metal, float length, float returned) const {
-    const Rgb transmittance = CoatTransmittance(coat, length);
+    const Rgb transmittance = CoatTransmittance(coat.optical_depth, length);
     const Rgb once = FresnelConductor(std::fmin(cos_metal, 1.0f), eta, k) * transmittance;
     return once / (Rgb::Gray(1) - once * returned);
   }
@@ -72,7 +73,8 @@ struct CoatedConductorBsdf {
     if (metal.IsSmooth()) return {o.reflectance, mirror * (entering * entering), {}};
     const float left = Trapped(o, cos_theta);
     const Rgb even = spread * (kPi * left * mean_trapped) *
-                     CoatTransmittance(coat, 1 / o.cos_refracted + coat.interface->escaping_path());
+                     CoatTransmittance(coat.optical_depth,
+                                       1 / o.cos_refracted + coat.interface->escaping_path());
     // (1 - F) mirror is 1 for a metal that reflects all.
     return {o.reflectance, mirror * ((entering - left) * entering), even};
   }
@@ -141,7 +143,7 @@ inline BsdfValue Scatter(const CoatedConductorBsdf& bsdf, const CoatDirection& o
   result.f = bsdf.Series(AbsDot(inner_o, m), length, std::min(o.reflectance, i.reflectance)) *
              ((1 - o.reflectance) * (1 - i.reflectance) * inverse_eta2 * d *
               bsdf.metal.VisibilityOver4(inner_o, inner_i) * wi.z);
-  result.f += bsdf.spread * CoatTransmittance(bsdf.coat, length) *
+  result.f += bsdf.spread * CoatTransmittance(bsdf.coat.optical_depth, length) *
               (bsdf.Trapped(o, wo.z) * bsdf.Trapped(i, wi.z) * wi.z);
   // Solid angles inside and outside: eta^2 cos' d omega' = cos d omega.
   result.pdf = lobes.metal * 0.5f * d / (inner_o.z + bsdf.metal.Stretch(inner_o)) * inverse_eta2 *

@@ -28,16 +28,22 @@ struct CoatedDiffuseBsdf {
   CoatedDiffuseBsdf(const Coat& c, Rgb reflectance) : coat(c) {
     const float eta = coat.interface->eta();
     mean_entering = 1 - coat.interface->MeanReflectance(coat.Alpha());
-    const Rgb internal = (1 - mean_entering / (eta * eta)) *
-                         CoatTransmittance(coat, 2 * coat.interface->internal_path());
-    const Rgb series = Rgb::Gray(1) - reflectance * internal;
+    const Rgb series = Rgb::Gray(1) - reflectance * InternalReflectance();
     base = reflectance * (kInvPi / (eta * eta)) / series;
+  }
+
+  /// R, less what the layer takes on the way.
+  Rgb InternalReflectance() const {
+    const float eta = coat.interface->eta();
+    return (1 - mean_entering / (eta * eta)) *
+           CoatTransmittance(coat.optical_depth, 2 * coat.interface->internal_path());
   }
 
   /// Albedo of the light that comes from the base.
   Rgb BaseAlbedo(const CoatDirection& o) const {
     return base * (kPi * (1 - o.reflectance) * mean_entering) *
-           CoatTransmittance(coat, 1 / o.cos_refracted + coat.interface->escaping_path());
+           CoatTransmittance(coat.optical_depth,
+                             1 / o.cos_refracted + coat.interface->escaping_path());
   }
   /// The part of samples that go to the border's reflection.
   float BorderProbability(const CoatDirection& o) const {
@@ -59,7 +65,7 @@ inline BsdfValue Scatter(const CoatedDiffuseBsdf& bsdf, const CoatDirection& o,
   const CoatDirection i = EnterCoat(bsdf.coat, wi.z);
   BsdfValue result;
   result.f = bsdf.base * ((1 - o.reflectance) * (1 - i.reflectance) * wi.z) *
-             CoatTransmittance(bsdf.coat, 1 / o.cos_refracted + 1 / i.cos_refracted);
+             CoatTransmittance(bsdf.coat.optical_depth, 1 / o.cos_refracted + 1 / i.cos_refracted);
   result.pdf = (1 - border_probability) * CosineHemispherePdf(wi.z);
   if (!bsdf.coat.IsSmooth()) {
     result.f += Rgb::Gray(EvalCoatBorder(bsdf.coat, wo, wi));

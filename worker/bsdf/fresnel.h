@@ -3,28 +3,31 @@
 #include <algorithm>
 #include <cmath>
 
-#include "worker/math/vec.h"
+#include "worker/math/lanes.h"
 
 namespace strata {
 
-/// What a smooth border between two dielectrics does to unpolarized light.
-struct DielectricFresnel {
-  float reflectance = 1;    ///< The rest is transmitted.
-  float cos_refracted = 0;  ///< Of the refracted ray, >= 0; 0 when all is reflected.
+/// What a smooth border between two dielectrics does to unpolarized light, once or eight times.
+template <typename Float>
+struct DielectricFresnelOf {
+  Float reflectance;    ///< The rest is transmitted.
+  Float cos_refracted;  ///< Of the refracted ray, >= 0; 0 when all is reflected.
 };
+using DielectricFresnel = DielectricFresnelOf<float>;
 
 /// `cos_incident` in [0, 1]; `eta` is the index behind the border over that before it.
-inline DielectricFresnel FresnelDielectric(float cos_incident, float eta) {
-  if (eta == 1) return {0, cos_incident};
-  const float sin2_incident = std::max(0.0f, (1 - cos_incident) * (1 + cos_incident));
-  const float sin2_refracted = sin2_incident / (eta * eta);
-  if (sin2_refracted >= 1) return {};
-  const float cos_refracted = std::sqrt(1 - sin2_refracted);
-  const float parallel =
+template <typename Float>
+DielectricFresnelOf<Float> FresnelDielectric(Float cos_incident, Float eta) {
+  const Float sin2_incident = Max(Float{}, (1 - cos_incident) * (1 + cos_incident));
+  const Float sin2_refracted = sin2_incident / (eta * eta);
+  const Float cos_refracted = Sqrt(Max(Float{}, 1 - sin2_refracted));
+  const Float parallel =
       (eta * cos_incident - cos_refracted) / (eta * cos_incident + cos_refracted);
-  const float perpendicular =
+  const Float perpendicular =
       (cos_incident - eta * cos_refracted) / (cos_incident + eta * cos_refracted);
-  return {0.5f * (parallel * parallel + perpendicular * perpendicular), cos_refracted};
+  const Float reflectance = 0.5f * (parallel * parallel + perpendicular * perpendicular);
+  const Float partly = sin2_refracted >= 1 ? Float{} + 1 : reflectance;
+  return {eta == 1 ? Float{} : partly, eta == 1 ? cos_incident : cos_refracted};
 }
 
 /// Reflectance of a metal of index eta + i k (both relative to the medium before it), one channel
@@ -50,7 +53,10 @@ inline Rgb FresnelConductor(float cos_incident, Rgb eta, Rgb k) {
           FresnelConductor(cos_incident, eta.b, k.b)};
 }
 
-/// Mirror image of w about m; any length of m that is 1.
-inline Vec3f Reflect(Vec3f w, Vec3f m) { return m * (2 * Dot(w, m)) - w; }
+/// Mirror image of w about m, which is unit.
+template <typename Vec3>
+Vec3 Reflect(Vec3 w, Vec3 m) {
+  return m * (2 * Dot(w, m)) - w;
+}
 
 }  // namespace strata

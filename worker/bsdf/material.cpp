@@ -252,14 +252,31 @@ absl::StatusOr<std::unique_ptr<MaterialSet>> MaterialSet::Build(
     set->entries_.push_back(entry);
   }
   STRATA_RETURN_IF_ERROR(set->SetDetails(details));
-  for (const Entry& entry : set->entries_) {
-    const auto* diffuse = std::get_if<DiffuseBsdf>(&entry.bsdf);
-    const bool lambertian = entry.constant && !entry.has_detail && diffuse;
-    const Rgb reflectance = lambertian ? diffuse->reflectance : Rgb{};
-    set->lambert_rows_.push_back(
-        {reflectance.r, reflectance.g, reflectance.b, lambertian ? 1.0f : 0.0f});
-  }
+  for (MaterialId id = 0; id < count; ++id) set->base_rows_.push_back(set->BaseRowOf(id));
   return set;
+}
+
+BaseRow MaterialSet::BaseRowOf(MaterialId id) const {
+  const auto* diffuse = std::get_if<DiffuseMaterial>(&materials_[id]);
+  const auto* coated = std::get_if<CoatedDiffuseMaterial>(&materials_[id]);
+  const Entry& entry = entries_[id];
+  if ((!diffuse && !coated) || entry.has_detail || !entry.plain_frame) return {};
+  const TextureId reflectance = diffuse ? diffuse->reflectance : coated->reflectance;
+  if (!textures_.NeedsFirstUvOnly(reflectance)) return {};
+  BaseRow row;
+  row.flags = BaseRow::kBase;
+  if (textures_.IsConstant(reflectance)) {
+    row.reflectance = Clamp01(textures_.Eval(reflectance, {}, {}));
+  } else {
+    row.flags |= BaseRow::kImage;
+    row.texture = reflectance;
+  }
+  if (diffuse) return row;
+  for (const TextureId other : {coated->roughness.u, coated->roughness.v, coated->albedo}) {
+    if (!textures_.IsConstant(other)) return {};
+  }
+  row.SetCoat(std::get<CoatedDiffuseBsdf>(MakeBsdf(id, {}, {})));
+  return row;
 }
 
 absl::Status MaterialSet::SetDetails(const std::map<MaterialId, SurfaceDetail>& details) {

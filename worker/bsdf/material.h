@@ -1,12 +1,12 @@
 #pragma once
 
-#include <array>
 #include <map>
 #include <memory>
 #include <optional>
 #include <vector>
 
 #include "common/status.h"
+#include "worker/bsdf/base_row.h"
 #include "worker/bsdf/bsdf.h"
 #include "worker/bsdf/mixture_parts.h"
 #include "worker/geometry/surface_detail.h"
@@ -39,10 +39,8 @@ class MaterialSet {
     const Entry& entry = entries_[id];
     return entry.constant ? &entry.bsdf : nullptr;
   }
-  /// A row for each material: its reflectance and 1 where it is Lambertian and the same everywhere;
-  /// zeros for the others.
-  using LambertRow = std::array<float, 4>;
-  const std::vector<LambertRow>& lambert_rows() const { return lambert_rows_; }
+  /// One for each material.
+  const std::vector<BaseRow>& base_rows() const { return base_rows_; }
   /// Whether it looks the same however it is turned about the shape's own shading normal, so that
   /// any tangent will do.
   bool HasPlainFrame(MaterialId id) const { return entries_[id].plain_frame; }
@@ -75,12 +73,13 @@ class MaterialSet {
   };
   /// What `id` comes to where it is a mix, but not a sum.
   Choice Choose(MaterialId id, SurfaceUv uv, Vec3f p, float u_mix) const;
+  BaseRow BaseRowOf(MaterialId id) const;
   absl::Status SetDetails(const std::map<MaterialId, SurfaceDetail>& details);
 
   const TextureSet& textures_;
   std::vector<MaterialDescription> materials_;
   std::vector<Entry> entries_;
-  std::vector<LambertRow> lambert_rows_;
+  std::vector<BaseRow> base_rows_;
   std::map<float, CoatInterface> coats_;        ///< By index of refraction.
   std::map<float, AlbedoTable> trapped_light_;  ///< Of coats over metals, likewise.
   std::unique_ptr<SchlickAlbedo> schlick_;      ///< If a material needs it.

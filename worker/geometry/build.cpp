@@ -43,10 +43,11 @@ Box BoundsOf(const Instance& instance, const InstanceMotion* motion, const Box& 
   return box;
 }
 
-/// Frees what growing left over and pads vectors of twelve bytes of which sixteen are read.
+/// Frees what growing left over and pads vectors of which sixteen bytes are read.
 void Finish(TriangleSet* set) {
   set->positions.emplace_back();
   set->normals.emplace_back();
+  set->uvs.emplace_back();
   set->positions.shrink_to_fit();
   set->normals.shrink_to_fit();
   set->uvs.shrink_to_fit();

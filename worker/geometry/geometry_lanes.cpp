@@ -36,7 +36,8 @@ Vec3Lanes GatherVectors(const std::vector<Vec3f>& from, IntLanes index, MaskLane
 }
 
 /// PointOnTriangle, but for what only some materials ask for.
-SurfaceLanes PointsOnTriangles(const TriangleSet& set, const HitLanes& hits, MaskLanes mask) {
+SurfaceLanes PointsOnTriangles(const TriangleSet& set, const HitLanes& hits, MaskLanes mask,
+                               bool with_uv) {
   const auto bits = [](FloatLanes v) { return reinterpret_cast<IntLanes>(v); };
   const RowLanes triangle =
       GatherRows(reinterpret_cast<const float*>(set.triangles.data()), hits.primitive * 4, mask);
@@ -93,6 +94,23 @@ SurfaceLanes PointsOnTriangles(const TriangleSet& set, const HitLanes& hits, Mas
     const MaskLanes usable = smooth & (ns2 > 1e-8f);
     surface.ns = Select(usable, Select(Dot(unit, surface.ng) < 0, -unit, unit), surface.ns);
   }
+  if (!with_uv) return surface;
+  const IntLanes uv_offset = bits(GatherRows(reinterpret_cast<const float*>(set.shapes.data()),
+                                             (last & 0x7fffffff) * 6 + 2, mask)
+                                      .v[2]);
+  const MaskLanes mapped = mask & (uv_offset != static_cast<int32_t>(TriangleSet::Shape::kNone));
+  surface.uv = {hits.u + hits.v, hits.v};  // See TriangleUvs.
+  if (!Any(mapped)) return surface;
+  const auto uv_of = [&](IntLanes vertex) {
+    const RowLanes row = GatherRows(&set.uvs.front().x, (vertex + uv_offset) * 2, mapped);
+    return Vec2Lanes{row.v[0], row.v[1]};
+  };
+  const Vec2Lanes uv0 = uv_of(v0), uv1 = uv_of(v1), uv2 = uv_of(v2);
+  const auto at = [&](FloatLanes c0, FloatLanes c1, FloatLanes c2) {
+    return c0 + (hits.u * (c1 - c0) + hits.v * (c2 - c0));
+  };
+  surface.uv.x = mapped ? at(uv0.x, uv1.x, uv2.x) : surface.uv.x;
+  surface.uv.y = mapped ? at(uv0.y, uv1.y, uv2.y) : surface.uv.y;
   return surface;
 }
 
@@ -129,12 +147,12 @@ MaskLanes Occluded(const Geometry& geometry, const RayLanes& rays, MaskLanes act
 }
 
 SurfaceLanes Surfaces(const Geometry& geometry, const RayLanes& rays, const HitLanes& hits,
-                      MaskLanes hit) {
+                      MaskLanes hit, bool with_uv) {
   const MaskLanes triangles =
       hit & (hits.geometry == static_cast<int32_t>(kTriangleGeometry)) & (hits.instance == -1);
   SurfaceLanes surfaces;
   if (Any(triangles))
-    surfaces = PointsOnTriangles(geometry.state().world.triangles, hits, triangles);
+    surfaces = PointsOnTriangles(geometry.state().world.triangles, hits, triangles, with_uv);
   ForEachLane(hit & ~triangles, [&](int lane) {
     surfaces.Set(lane, geometry.Surface(rays.Get(lane), hits.Get(lane)));
   });

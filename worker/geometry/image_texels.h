@@ -44,8 +44,13 @@ struct ImageTexels {
   /// The alpha channel alone, as it is stored; 1 where the file has none.
   static ImageTexels AlphaFrom(const ImageFile& file);
 
-  Rgb At(int x, int y, const DecodeTable& table) const {
-    const size_t i = (static_cast<size_t>(y) * width + x) * channels;
+  size_t Offset(int x, int y) const { return (static_cast<size_t>(y) * width + x) * channels; }
+  /// Asks memory for what starts at an offset.
+  void Fetch(size_t i) const {
+    __builtin_prefetch(codes.empty() ? static_cast<const void*>(&values[i]) : &codes[i]);
+  }
+  Rgb At(int x, int y, const DecodeTable& table) const { return At(Offset(x, y), table); }
+  Rgb At(size_t i, const DecodeTable& table) const {
     if (!codes.empty()) {
       const uint8_t* code = &codes[i];
       if (channels == 1) return Rgb::Gray(table[code[0]]);

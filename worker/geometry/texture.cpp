@@ -54,24 +54,43 @@ Rgb Texel(const ImageTexels& texels, const DecodeTable& table, int x, int y,
   return x < 0 || y < 0 ? Rgb{} : texels.At(x, y, table);
 }
 
-Rgb LookUp(const ImageTexels& texels, const DecodeTable& table, const ImageNode& node,
-           SurfaceUv uv) {
+/// A point in an image, in pixels: x from the left, y from the top.
+Vec2f PointIn(const ImageTexels& texels, const ImageNode& node, SurfaceUv uv) {
   const Vec2f st = Map(node.mapping, node.second_uv ? uv.second : uv.first);
-  const float x = Reduce(st.x, node.wrap) * texels.width;
-  const float y = Reduce(1 - st.y, node.wrap_t) * texels.height;
-  if (node.nearest)
-    return Texel(texels, table, static_cast<int>(std::floor(x)), static_cast<int>(std::floor(y)),
-                 node);
-  // Pixel centers are at half-integers.
-  const float left = std::floor(x - 0.5f), top = std::floor(y - 0.5f);
-  const float fx = x - 0.5f - left, fy = y - 0.5f - top;
-  const int ix = static_cast<int>(left), iy = static_cast<int>(top);
-  const auto texel = [&](int dx, int dy) { return Texel(texels, table, ix + dx, iy + dy, node); };
-  return (1 - fy) * ((1 - fx) * texel(0, 0) + fx * texel(1, 0)) +
-         fy * ((1 - fx) * texel(0, 1) + fx * texel(1, 1));
+  return {Reduce(st.x, node.wrap) * texels.width, Reduce(1 - st.y, node.wrap_t) * texels.height};
 }
 
-Rgb Finish(const ImageNode& node, Rgb value) {
+/// The upper left of the four pixels around a point, and where between their centres it lies.
+struct Quadruple {
+  int x, y;
+  Vec2f fraction;
+};
+Quadruple Around(Vec2f point) {
+  // Pixel centers are at half-integers.
+  const float left = std::floor(point.x - 0.5f), top = std::floor(point.y - 0.5f);
+  return {
+      static_cast<int>(left), static_cast<int>(top), {point.x - 0.5f - left, point.y - 0.5f - top}};
+}
+
+Rgb Bilinear(Rgb top_left, Rgb top_right, Rgb bottom_left, Rgb bottom_right, Vec2f f) {
+  return (1 - f.y) * ((1 - f.x) * top_left + f.x * top_right) +
+         f.y * ((1 - f.x) * bottom_left + f.x * bottom_right);
+}
+
+Rgb LookUp(const ImageTexels& texels, const DecodeTable& table, const ImageNode& node,
+           SurfaceUv uv) {
+  const Vec2f point = PointIn(texels, node, uv);
+  if (node.nearest)
+    return Texel(texels, table, static_cast<int>(std::floor(point.x)),
+                 static_cast<int>(std::floor(point.y)), node);
+  const Quadruple at = Around(point);
+  const auto texel = [&](int dx, int dy) {
+    return Texel(texels, table, at.x + dx, at.y + dy, node);
+  };
+  return Bilinear(texel(0, 0), texel(1, 0), texel(0, 1), texel(1, 1), at.fraction);
+}
+
+Rgb Adjust(const ImageNode& node, Rgb value) {
   if (node.channel >= 0) {
     value = Rgb::Gray(node.channel == 0 ? value.r : node.channel == 1 ? value.g : value.b);
   } else if (node.scalar) {
@@ -109,7 +128,8 @@ std::vector<TextureId> ChildrenOf(const TextureDescription& texture) {
 
 struct TextureSet::State {
   std::vector<TextureNode> nodes;
-  std::vector<Vec2f> steps;  ///< Of each node: see Step.
+  std::vector<Vec2f> steps;     ///< Of each node: see Step.
+  std::vector<char> second_uv;  ///< Of each node: whether it or a child needs it.
   std::vector<ImageTexels> images;
   std::vector<DecodeTable> tables;
 
@@ -125,7 +145,7 @@ Rgb TextureSet::State::Eval(TextureId id, SurfaceUv uv, Vec3f p) const {
   const TextureNode& node = nodes[id];
   if (const auto* constant = std::get_if<Rgb>(&node)) return *constant;
   if (const auto* image = std::get_if<ImageNode>(&node))
-    return Finish(*image, LookUp(images[image->texels], tables[image->table], *image, uv));
+    return Adjust(*image, LookUp(images[image->texels], tables[image->table], *image, uv));
   if (const auto* scale = std::get_if<ScaleTexture>(&node)) {
     const Rgb factor = Eval(scale->scale, uv, p);
     return IsBlack(factor) ? Rgb{} : Eval(scale->texture, uv, p) * factor;
@@ -301,6 +321,7 @@ absl::StatusOr<std::unique_ptr<TextureSet>> TextureSet::Load(
   State& state = *set->state_;
   state.nodes.resize(textures.size());
   state.steps.resize(textures.size());
+  state.second_uv.resize(textures.size());
   TextureLoader loader(textures, source);
   STRATA_ASSIGN_OR_RETURN(const std::vector<TextureId> order, loader.Order());
   for (const TextureId id : order) {
@@ -319,6 +340,11 @@ absl::StatusOr<std::unique_ptr<TextureSet>> TextureSet::Load(
     }
     const std::vector<TextureId> children = ChildrenOf(texture);
     state.steps[id] = state.StepOf(node, children);
+    const auto* as_image = std::get_if<ImageNode>(&node);
+    state.second_uv[id] = (as_image && as_image->second_uv) ||
+                          std::any_of(children.begin(), children.end(), [&](TextureId child) {
+                            return child != kNoTexture && state.second_uv[child];
+                          });
     if (!children.empty() &&
         std::all_of(children.begin(), children.end(),
                     [&](TextureId c) { return state.IsConstant(c); }) &&
@@ -329,6 +355,39 @@ absl::StatusOr<std::unique_ptr<TextureSet>> TextureSet::Load(
 }
 
 Rgb TextureSet::Eval(TextureId id, SurfaceUv uv, Vec3f p) const { return state_->Eval(id, uv, p); }
+
+TextureSet::BegunLookUp TextureSet::Begin(TextureId id, Vec2f uv, Vec3f p) const {
+  BegunLookUp look_up = {.id = id, .uv = uv, .p = p};
+  const auto* node = std::get_if<ImageNode>(&state_->nodes[id]);
+  if (!node || node->nearest) return look_up;
+  const ImageTexels& texels = state_->images[node->texels];
+  const Quadruple at = Around(PointIn(texels, *node, uv));
+  if (at.x < 0 || at.y < 0 || at.x + 1 >= texels.width || at.y + 1 >= texels.height) return look_up;
+  const size_t top_left = texels.Offset(at.x, at.y), bottom_left = texels.Offset(at.x, at.y + 1);
+  texels.Fetch(top_left);
+  texels.Fetch(bottom_left);
+  look_up.top_left = top_left;
+  look_up.bottom_left = bottom_left;
+  look_up.fraction = at.fraction;
+  look_up.begun = true;
+  return look_up;
+}
+
+Rgb TextureSet::Finish(const BegunLookUp& look_up) const {
+  if (!look_up.begun) return state_->Eval(look_up.id, look_up.uv, look_up.p);
+  const auto& node = *std::get_if<ImageNode>(&state_->nodes[look_up.id]);
+  const ImageTexels& texels = state_->images[node.texels];
+  const DecodeTable& table = state_->tables[node.table];
+  const size_t right = static_cast<size_t>(texels.channels);
+  const size_t top = look_up.top_left, bottom = look_up.bottom_left;
+  return Adjust(
+      node, Bilinear(texels.At(top, table), texels.At(top + right, table), texels.At(bottom, table),
+                     texels.At(bottom + right, table), look_up.fraction));
+}
+
+bool TextureSet::NeedsFirstUvOnly(TextureId id) const {
+  return id == kNoTexture || !state_->second_uv[id];
+}
 
 Vec2f TextureSet::Step(TextureId id) const { return state_->steps[id]; }
 

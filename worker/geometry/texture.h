@@ -24,6 +24,24 @@ class TextureSet {
   Rgb Eval(TextureId id, SurfaceUv uv, Vec3f p) const;
   /// How far apart in u and v to look it up for differences that are about its derivatives.
   Vec2f Step(TextureId id) const;
+
+  /// A look-up by the first texture coordinates that has been begun. Texels come from memory: to
+  /// begin several before the first is finished lets them come at the same time.
+  struct BegunLookUp {
+    TextureId id = kNoTexture;
+    Vec2f uv;
+    Vec3f p;
+    // Of an image whose four pixels around the point are side by side:
+    size_t top_left = 0, bottom_left = 0;
+    Vec2f fraction;      ///< Where between them the point lies.
+    bool begun = false;  ///< These are set.
+  };
+  /// Of a texture that NeedsFirstUvOnly.
+  BegunLookUp Begin(TextureId id, Vec2f uv, Vec3f p) const;
+  /// What Eval gives.
+  Rgb Finish(const BegunLookUp& look_up) const;
+  bool NeedsFirstUvOnly(TextureId id) const;
+
   /// True when the texture is the same everywhere.
   bool IsConstant(TextureId id) const;
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/unit.h"
+#include "worker/bsdf/coated_diffuse_lanes.h"
 #include "worker/geometry/geometry_lanes.h"
 #include "worker/integrator/path.h"
 #include "worker/sampling/sampler_lanes.h"
@@ -77,10 +78,14 @@ class PathLanes {
   bool ChoosesLights() const {
     return (kHas & kManyLights) && scene_.lights().SelectNeedsLowBits();
   }
-  /// The lanes in `mask` whose surfaces are not Lambertian.
+  /// The lanes in `mask` whose BSDFs are neither Lambert's nor have a coat over that.
   MaskLanes OtherMaterials(MaskLanes mask) const {
     if constexpr ((kHas & kOtherMaterials) == 0) return MaskLanes{};
-    return mask & ~lambertian_;
+    return mask & ~(lambertian_ | coated_);
+  }
+  MaskLanes Coated(MaskLanes mask) const {
+    if constexpr ((kHas & kOtherMaterials) == 0) return MaskLanes{};
+    return mask & coated_;
   }
   MaskLanes Guided(MaskLanes mask) const {
     if constexpr ((kHas & kMirrorImages) == 0) return MaskLanes{};
@@ -114,7 +119,8 @@ class PathLanes {
     const MaskLanes found = Intersect(scene_.geometry(), ray_, alive, &hits);
     if (HasEnvironments()) ForEachLane(alive & ~found, [&](int lane) { AddEnvironment(lane); });
     if (!Any(found)) return alive;
-    surface_ = Surfaces(scene_.geometry(), ray_, hits, found);
+    constexpr bool kWithUv = (kHas & kOtherMaterials) != 0;
+    surface_ = Surfaces(scene_.geometry(), ray_, hits, found, kWithUv);
     ForEachLane(found & (surface_.light >= 0), [&](int lane) { AddEmission(lane, hits); });
     const MaskLanes last = depth_ == settings_.max_depth;
     MaskLanes going = found & ~(last & (depth_ > 0));
@@ -166,14 +172,40 @@ class PathLanes {
     AddRadiance(lane, radiance, weight);
   }
 
+  /// Which lanes have a base, and its reflectance.
+  void FindBases(MaskLanes mask) {
+    const float* rows = &scene_.materials().base_rows().front().reflectance.r;
+    const RowLanes row = GatherRows(rows, surface_.material * kBaseRow, mask);
+    reflectance_ = {row.v[0], row.v[1], row.v[2]};
+    if constexpr ((kHas & kOtherMaterials) == 0) {
+      lambertian_ = mask;
+      return;
+    }
+    const IntLanes flags = reinterpret_cast<IntLanes>(row.v[3]);
+    const MaskLanes coat = (flags & BaseRow::kCoat) != 0;
+    MaskLanes base = mask & ((flags & BaseRow::kBase) != 0);
+    // Guides ask for the BSDF itself.
+    if (HasMirrorImages()) base &= ~coat;
+    lambertian_ = base & ~coat;
+    coated_ = base & coat;
+    const MaskLanes image = base & ((flags & BaseRow::kImage) != 0);
+    std::array<TextureSet::BegunLookUp, kLanes> look_ups;
+    ForEachLane(image, [&](int lane) {
+      const TextureId id = scene_.materials().base_rows()[surface_.material[lane]].texture;
+      look_ups[lane] = scene_.textures().Begin(id, {surface_.uv.x[lane], surface_.uv.y[lane]},
+                                               surface_.p.Get(lane));
+    });
+    ForEachLane(
+        image, [&](int lane) { reflectance_.Set(lane, scene_.textures().Finish(look_ups[lane])); });
+    const auto clamp = [](FloatLanes v) { return Min(Max(v, FloatLanes{}), SameFloat(1)); };
+    reflectance_ = {clamp(reflectance_.r), clamp(reflectance_.g), clamp(reflectance_.b)};
+  }
+
   void MakeBsdfs(const HitLanes& hits, MaskLanes mask) {
     const Vec3Lanes wo = -ray_.direction;
     const MaskLanes seen = Dot(surface_.ns, wo) * Dot(surface_.ng, wo) > 0;
     frame_ = FrameLanes::FromNormal(Select(seen, surface_.ns, surface_.ng));
-    const RowLanes row =
-        GatherRows(scene_.materials().lambert_rows().front().data(), surface_.material * 4, mask);
-    reflectance_ = {row.v[0], row.v[1], row.v[2]};
-    lambertian_ = mask & (row.v[3] > 0);
+    FindBases(mask);
     receiver_.one_sided = mask;
     ForEachLane(OtherMaterials(mask), [&](int lane) {
       const Bsdf& bsdf = BsdfOf(lane, hits, wo.Get(lane));
@@ -183,12 +215,15 @@ class PathLanes {
         return;
       }
       bsdf_[lane] = &bsdf;
-      wo_[lane] = frame_.Get(lane).ToLocal(wo.Get(lane));
       if (Transmits(bsdf)) receiver_.one_sided[lane] = 0;
     });
-    if (settings_.first_hit)
-      ForEachLane(mask & (depth_ == 0), [&](int lane) { DescribeFirstHit(lane, wo.Get(lane)); });
     wo_z_ = Dot(wo, frame_.z);
+    if constexpr ((kHas & kOtherMaterials) != 0) wo_ = frame_.ToLocal(wo);
+    if (Any(Coated(mask)))
+      coat_ = CoatedDiffuseLanes(scene_.materials().base_rows().data(), surface_.material,
+                                 reflectance_, wo_, coated_);
+    if (settings_.first_hit)
+      ForEachLane(mask & (depth_ == 0), [&](int lane) { DescribeFirstHit(lane); });
     receiver_.p = surface_.p;
     receiver_.n = Select(wo_z_ < 0, -frame_.z, frame_.z);
   }
@@ -218,14 +253,15 @@ class PathLanes {
     return materials.Evaluate(id, point.TextureUv(), point.p, u_mix(), &varying_[lane]);
   }
 
-  void DescribeFirstHit(int lane, Vec3f wo) {
+  void DescribeFirstHit(int lane) {
     PathSample& sample = first_hit_[lane];
     sample.hit = true;
     sample.normal = frame_.z.Get(lane);
     sample.position = surface_.p.Get(lane);
     if (!settings_.albedo) return;
-    sample.albedo = lambertian_[lane] ? Albedo(DiffuseBsdf{reflectance_.Get(lane)}, {})
-                                      : Albedo(*bsdf_[lane], frame_.Get(lane).ToLocal(wo));
+    sample.albedo = lambertian_[lane] ? reflectance_.Get(lane)
+                    : coated_[lane]   ? coat_.Albedo().Get(lane)
+                                      : Albedo(*bsdf_[lane], wo_.Get(lane));
   }
 
   void StartGuides(MaskLanes mask) {
@@ -254,13 +290,10 @@ class PathLanes {
     IntLanes light = {};
     FloatLanes probability = SameFloat(1);
     if (ChoosesLights()) {
-      ForEachLane(mask, [&](int lane) {
-        const LightSet::Choice choice =
-            lights.Select(receiver_.Get(lane), u.x[lane], u_select_.x[lane]);
-        light[lane] = static_cast<int32_t>(choice.light);
-        probability[lane] = choice.probability;
-        u.x[lane] = choice.u;
-      });
+      const LightSet::ChoiceLanes choice = lights.Select(receiver_, {u.x, u_select_.x}, mask);
+      light = choice.light;
+      probability = choice.probability;
+      u.x = choice.u;
       mask &= probability > 0;
     }
     const LightSampleLanes sample = lights.Sample(light, surface_.p, u, mask);
@@ -268,9 +301,14 @@ class PathLanes {
     mask &= sample.valid & SidesAgree(sample.wi, wi_z);
     FloatLanes bsdf_pdf = wo_z_ * wi_z > 0 ? kInvPi * Abs(wi_z) : FloatLanes{};
     RgbLanes f = reflectance_ * bsdf_pdf;
+    const Vec3Lanes wi = {Dot(sample.wi, frame_.x), Dot(sample.wi, frame_.y), wi_z};
+    if (const MaskLanes coated = Coated(mask); Any(coated)) {
+      const BsdfValueLanes value = coat_.EvalPdf(wi);
+      f = Select(coated, value.f, f);
+      bsdf_pdf = coated ? value.pdf : bsdf_pdf;
+    }
     ForEachLane(OtherMaterials(mask), [&](int lane) {
-      const BsdfValue value =
-          EvalPdf(*bsdf_[lane], wo_[lane], frame_.Get(lane).ToLocal(sample.wi.Get(lane)));
+      const BsdfValue value = EvalPdf(*bsdf_[lane], wo_.Get(lane), wi.Get(lane));
       f.Set(lane, value.f);
       bsdf_pdf[lane] = value.pdf;
     });
@@ -301,8 +339,18 @@ class PathLanes {
     wi.z = wo_z_ < 0 ? -wi.z : wi.z;
     const MaskLanes others = OtherMaterials(mask) | Guided(mask);
     MaskLanes going = mask & (others | ((wo_z_ * wi.z > 0) & ~IsBlack(reflectance_)));
+    const MaskLanes coated = Coated(mask);
+    FloatLanes u_lobe = {};
+    if (Any(others | coated)) u_lobe = Get2D(kPairLobe, others | coated).x;
+    if (Any(coated)) {
+      const BsdfSampleLanes sample = coat_.Sample(u_lobe, u, SampleCosineHemisphere(u));
+      wi = Select(coated, sample.wi, wi);
+      weight = Select(coated, sample.weight, weight);
+      specular_ = coated & sample.delta;
+      bsdf_pdf_ = coated ? sample.pdf : bsdf_pdf_;
+      going = (going & ~coated) | (coated & sample.valid & ~IsBlack(sample.weight));
+    }
     if (Any(others)) {
-      const FloatLanes u_lobe = Get2D(kPairLobe, others).x;
       ForEachLane(others, [&](int lane) {
         const std::optional<BsdfSample> sample =
             SampleOf(lane, u_lobe[lane], {u.x[lane], u.y[lane]});
@@ -326,10 +374,10 @@ class PathLanes {
   }
 
   std::optional<BsdfSample> SampleOf(int lane, float u_lobe, Vec2f u) const {
-    if (!guided_[lane]) return Sample(*bsdf_[lane], wo_[lane], u_lobe, u);
+    if (!guided_[lane]) return Sample(*bsdf_[lane], wo_.Get(lane), u_lobe, u);
     const Frame frame = frame_.Get(lane);
     if (!lambertian_[lane])
-      return SampleGuided(*bsdf_[lane], frame, wo_[lane], guides_[lane], u_lobe, u);
+      return SampleGuided(*bsdf_[lane], frame, wo_.Get(lane), guides_[lane], u_lobe, u);
     const DiffuseBsdf diffuse = {reflectance_.Get(lane)};
     return SampleGuided(diffuse, frame, {0, 0, wo_z_[lane]}, guides_[lane], u_lobe, u);
   }
@@ -345,13 +393,7 @@ class PathLanes {
     return mask & (~plays | survives);
   }
 
-  /// LightReceivers.
-  struct ReceiverLanes {
-    Vec3Lanes p, n;
-    MaskLanes one_sided = {};
-
-    LightReceiver Get(int lane) const { return {p.Get(lane), n.Get(lane), one_sided[lane] != 0}; }
-  };
+  static constexpr int32_t kBaseRow = sizeof(BaseRow) / sizeof(float);
 
   const Scene& scene_;
   const PathSettings settings_;
@@ -363,7 +405,7 @@ class PathLanes {
   RgbLanes beta_, radiance_;
   FloatLanes eta_scale_ = {}, bsdf_pdf_ = {};
   MaskLanes specular_ = {};
-  ReceiverLanes previous_;
+  LightReceiverLanes previous_;
   IntLanes depth_ = {}, rays_ = {};
   std::array<PathSample, kLanes> first_hit_;
 
@@ -371,11 +413,13 @@ class PathLanes {
   SurfaceLanes surface_;
   FrameLanes frame_;
   FloatLanes wo_z_ = {};
-  ReceiverLanes receiver_;
-  MaskLanes lambertian_ = {};  ///< Scatters as Lambert says, by reflectance_; others by bsdf_.
+  LightReceiverLanes receiver_;
+  // How it scatters: as Lambert says, by reflectance_; by that under coat_; or by bsdf_.
+  MaskLanes lambertian_ = {}, coated_ = {};
   RgbLanes reflectance_;
+  CoatedDiffuseLanes coat_;
   std::array<const Bsdf*, kLanes> bsdf_ = {};
-  std::array<Vec3f, kLanes> wo_;          ///< Local; not of Lambertian lanes.
+  Vec3Lanes wo_;                          ///< Local.
   std::array<BsdfRoom, kLanes> varying_;  ///< For BSDFs that are not the same over the surface.
   Vec2Lanes u_select_;                    ///< Of kPairSelect.
   MaskLanes guided_ = {};                 ///< Directions may come from guides_.

@@ -5,33 +5,14 @@
 
 #include "worker/geometry/geometry_lanes.h"
 #include "worker/light/light.h"
+#include "worker/light/light_lanes.h"
 #include "worker/math/lanes.h"
 #include "worker/sampling/warp_lanes.h"
 
 namespace strata {
 
-/// LightSamples side by side.
-struct LightSampleLanes {
-  Vec3Lanes wi;
-  RgbLanes radiance;
-  FloatLanes pdf = {};
-  MaskLanes delta = {}, infinite = {};
-  Vec3Lanes end;
-  MaskLanes valid = {};
-
-  void Set(int lane, const LightSample& s) {
-    wi.Set(lane, s.wi);
-    radiance.Set(lane, s.radiance);
-    pdf[lane] = s.pdf;
-    delta[lane] = s.delta ? -1 : 0;
-    infinite[lane] = s.infinite ? -1 : 0;
-    end.Set(lane, s.end);
-    valid[lane] = -1;
-  }
-};
-
 /// The triangles and parallelograms among some lights as rows of numbers, from which eight are
-/// sampled by area at once.
+/// sampled at once.
 class FlatLights {
  public:
   FlatLights() = default;
@@ -39,8 +20,7 @@ class FlatLights {
     for (const Light& light : lights) rows_.push_back(RowOf(light));
   }
 
-  /// Samples lights[light] from `from` in those lanes of `mask` where it is flat and not to be
-  /// sampled by solid angle; returns them.
+  /// Samples lights[light] from `from` in those lanes of `mask` where it is flat; returns them.
   MaskLanes Sample(IntLanes light, Vec3Lanes from, Vec2Lanes u, MaskLanes mask,
                    LightSampleLanes* sample) const {
     const auto row = [&](const Quad Row::*member) {
@@ -53,15 +33,25 @@ class FlatLights {
     };
     const auto vector = [](const RowLanes& v) { return Vec3Lanes{v.v[0], v.v[1], v.v[2]}; };
     const RowLanes center_near2 = row(&Row::center_near2), corner_flat = row(&Row::corner_flat);
-    const MaskLanes done = mask & (corner_flat.v[3] > 0) &
-                           ~(LengthSquared(vector(center_near2) - from) < center_near2.v[3]);
+    const MaskLanes done = mask & (corner_flat.v[3] > 0);
     if (!Any(done)) return done;
+    const MaskLanes near = done & (LengthSquared(vector(center_near2) - from) < center_near2.v[3]);
     const RowLanes edge1_triangle = row(&Row::edge1_triangle), edge2_pdf = row(&Row::edge2_pdf),
                    ng_two_sided = row(&Row::ng_two_sided), error = row(&Row::error),
                    color = row(&Row::radiance);
     const Vec2Lanes corner_weights = SampleTriangle(u);
     const MaskLanes triangle = edge1_triangle.v[3] > 0;
     u = {triangle ? corner_weights.x : u.x, triangle ? corner_weights.y : u.y};
+    FloatLanes solid_angle = {};
+    if (Any(near)) {
+      const RowLanes unit1 = row(&Row::unit1_length), unit2 = row(&Row::unit2_length);
+      const SphericalRectangleOf<FloatLanes> rectangle(vector(corner_flat), vector(unit1),
+                                                       unit1.v[3], vector(unit2), unit2.v[3],
+                                                       vector(ng_two_sided), from);
+      const Vec2Lanes parts = rectangle.Sample(u);
+      u = {near ? parts.x : u.x, near ? parts.y : u.y};
+      solid_angle = rectangle.solid_angle;
+    }
     const Vec3Lanes p =
         vector(corner_flat) + (vector(edge1_triangle) * u.x + vector(edge2_pdf) * u.y);
     const Vec3Lanes ng = vector(ng_two_sided);
@@ -71,14 +61,15 @@ class FlatLights {
     const FloatLanes cosine = Dot(ng, wi);
     const MaskLanes shines = (ng_two_sided.v[3] > 0) | (cosine < 0);
     const RgbLanes radiance = {color.v[0], color.v[1], color.v[2]};
-    const FloatLanes pdf = edge2_pdf.v[3] * distance2 / Abs(cosine);
+    const FloatLanes pdf_near = solid_angle > 0 ? 1 / solid_angle : FloatLanes{};
+    const FloatLanes pdf = near ? pdf_near : edge2_pdf.v[3] * distance2 / Abs(cosine);
     const FloatLanes offset = Dot(Abs(ng), vector(error));
     sample->wi = Select(done, wi, sample->wi);
     sample->radiance = Select(done, radiance, sample->radiance);
     sample->pdf = done ? pdf : sample->pdf;
     sample->end = Select(done, OffsetRayOrigins(p, offset, ng, -to_light), sample->end);
     sample->valid |=
-        done & shines & (distance2 > 0) & (cosine != 0) & (pdf > 0) & ~IsBlack(radiance);
+        done & shines & (distance2 > 0) & (near | (cosine != 0)) & (pdf > 0) & ~IsBlack(radiance);
     return done;
   }
 
@@ -92,6 +83,7 @@ class FlatLights {
     Quad edge2_pdf = {};       ///< pdf_area.
     Quad ng_two_sided = {};    ///< 1 if it shines to both sides.
     Quad error = {}, radiance = {};
+    Quad unit1_length = {}, unit2_length = {};  ///< Along the edges of what may be near.
   };
 
   static Quad With(Vec3f v, float last = 0) { return {v.x, v.y, v.z, last}; }
@@ -109,6 +101,8 @@ class FlatLights {
     if (!q) return {};
     Row row = row_of(*q, q->corner, false);
     row.center_near2 = With(q->corner + (q->edge1 + q->edge2) * 0.5f, q->near2);
+    row.unit1_length = With(q->unit1, q->length1);
+    row.unit2_length = With(q->unit2, q->length2);
     return row;
   }
 

@@ -168,4 +168,27 @@ void LightSet::FindProbabilities() {
   }
 }
 
+LightSet::ChoiceLanes LightSet::Select(const LightReceiverLanes& receivers, Vec2Lanes u,
+                                       MaskLanes mask) const {
+  ChoiceLanes choices;
+  if (lights_.size() == 1) return {IntLanes{}, SameFloat(1), u.x};
+  std::array<const Group*, kLanes> groups;
+  std::array<double, kLanes> rest = {};
+  MaskLanes in_tree = {};
+  ForEachLane(mask, [&](int lane) {
+    groups[lane] = &ChooseGroup(u.x[lane], u.y[lane], &rest[lane]);
+    in_tree[lane] = groups[lane]->light == Group::kTree ? -1 : 0;
+  });
+  std::array<LightTree::Choice, kLanes> leaves;
+  if (Any(in_tree)) leaves = tree_.Select(receivers, rest, in_tree);
+  ForEachLane(mask, [&](int lane) {
+    const Choice choice =
+        ChoiceOf(*groups[lane], rest[lane], in_tree[lane] != 0 ? &leaves[lane] : nullptr);
+    choices.light[lane] = static_cast<int32_t>(choice.light);
+    choices.probability[lane] = choice.probability;
+    choices.u[lane] = choice.u;
+  });
+  return choices;
+}
+
 }  // namespace strata

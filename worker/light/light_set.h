@@ -42,6 +42,12 @@ class LightSet {
   /// Chooses by the 48-bit number u + 2^-24 u_low, both multiples of 2^-24 in [0, 1), so that
   /// enough bits are left even behind a faint light. The set must not be empty.
   Choice Select(const LightReceiver& receiver, float u, float u_low) const;
+  /// Of each lane in `mask`.
+  struct ChoiceLanes {
+    IntLanes light = {};
+    FloatLanes probability = {}, u = {};
+  };
+  ChoiceLanes Select(const LightReceiverLanes& receivers, Vec2Lanes u, MaskLanes mask) const;
   bool SelectNeedsLowBits() const { return lights_.size() > 1; }
   float Probability(uint32_t light, const LightReceiver& receiver) const;
 
@@ -85,6 +91,10 @@ class LightSet {
     uint32_t index = 0;  ///< In the tree, if the group is that.
   };
 
+  /// `rest` is what is left of the random number.
+  const Group& ChooseGroup(float u, float u_low, double* rest) const;
+  /// `leaf` is the tree's choice if the group is that.
+  Choice ChoiceOf(const Group& group, double rest, const LightTree::Choice* leaf) const;
   /// A light that shines from a point; none for the others.
   absl::StatusOr<std::optional<PlacedLight>> MakePlaced(const LightDescription& description,
                                                         const FileSource& source);
@@ -111,24 +121,36 @@ class LightSet {
   std::vector<LightBounds> lamps_;
 };
 
-inline LightSet::Choice LightSet::Select(const LightReceiver& receiver, float u,
-                                         float u_low) const {
-  if (lights_.size() == 1) return {0, 1, u};
-  double x = u + 0x1p-24 * static_cast<double>(u_low);
+inline const LightSet::Group& LightSet::ChooseGroup(float u, float u_low, double* rest) const {
+  const double x = u + 0x1p-24 * static_cast<double>(u_low);
   const Group* group = groups_.data();
   double low = 0;
   while (x >= group->end && group != &groups_.back()) low = (group++)->end;
-  x = (x - low) / (group->end - low);
-  Choice choice = {group->light, group->probability};
-  if (group->light == Group::kTree) {
-    const LightTree::Choice leaf = tree_.Select(receiver, x);
-    choice.light = tree_lights_[leaf.index];
-    choice.probability *= leaf.probability;
-    x = leaf.u;
+  *rest = (x - low) / (group->end - low);
+  return *group;
+}
+
+inline LightSet::Choice LightSet::ChoiceOf(const Group& group, double rest,
+                                           const LightTree::Choice* leaf) const {
+  Choice choice = {group.light, group.probability};
+  if (leaf) {
+    choice.light = tree_lights_[leaf->index];
+    choice.probability *= leaf->probability;
+    rest = leaf->u;
   }
   constexpr float kBelowOne = 0x1.fffffep-1f;
-  choice.u = std::min(static_cast<float>(x), kBelowOne);
+  choice.u = std::min(static_cast<float>(rest), kBelowOne);
   return choice;
+}
+
+inline LightSet::Choice LightSet::Select(const LightReceiver& receiver, float u,
+                                         float u_low) const {
+  if (lights_.size() == 1) return {0, 1, u};
+  double rest = 0;
+  const Group& group = ChooseGroup(u, u_low, &rest);
+  if (group.light != Group::kTree) return ChoiceOf(group, rest, nullptr);
+  const LightTree::Choice leaf = tree_.Select(receiver, rest);
+  return ChoiceOf(group, rest, &leaf);
 }
 
 inline float LightSet::Probability(uint32_t light, const LightReceiver& receiver) const {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -214,38 +215,86 @@ float LightTree::Probability(uint32_t index, const LightReceiver& receiver) cons
   return static_cast<float>(1 - kEvenChoices) * TreeProbability(index, receiver) + even;
 }
 
+bool LightTree::ChooseEvenly(const LightReceiver& receiver, Walk* walk) const {
+  if (walk->u >= kEvenChoices) {
+    walk->u = (walk->u - kEvenChoices) / (1 - kEvenChoices);
+    return false;
+  }
+  const double n = static_cast<double>(lights_);
+  const double at = walk->u / kEvenChoices * n;
+  const uint32_t index = static_cast<uint32_t>(std::min(at, n - 1));
+  walk->choice = {index, Probability(index, receiver), at - index};
+  return true;
+}
+
+bool LightTree::Descend(Floats4 weights, Walk* walk) const {
+  const float sum = weights[0] + weights[1] + weights[2] + weights[3];
+  if (!(sum > 0)) {
+    walk->choice = {0, 0, walk->u};
+    return false;
+  }
+  // The place whose part of the sum u falls into; roundings at the end fall to the last of them.
+  // Without branches, which no one could predict.
+  const double x = walk->u * sum;
+  double starts[4] = {};
+  for (int i = 1; i < 4; ++i) starts[i] = starts[i - 1] + weights[i - 1];
+  const int passed = (x >= starts[1]) + (x >= starts[2]) + (x >= starts[3]);
+  const auto positive = static_cast<unsigned>(_mm_movemask_ps(weights > 0 ? -weights : weights));
+  const int place = std::min(passed, static_cast<int>(std::bit_width(positive)) - 1);
+  walk->u = std::min((x - starts[place]) / weights[place], 1.0);
+  walk->probability *= weights[place] / sum;
+  const Node& node = nodes_[walk->node];
+  walk->node = node.child[place];
+  if (node.group.lights[place] != 1) return true;
+  const float even = static_cast<float>(kEvenChoices / static_cast<double>(lights_));
+  walk->choice = {node.child[place],
+                  static_cast<float>(1 - kEvenChoices) * walk->probability + even, walk->u};
+  return false;
+}
+
 LightTree::Choice LightTree::Select(const LightReceiver& receiver, double u) const {
   if (lights_ == 1) return {0, 1, u};
-  const double n = static_cast<double>(lights_);
-  if (u < kEvenChoices) {
-    const double at = u / kEvenChoices * n;
-    const uint32_t index = static_cast<uint32_t>(std::min(at, n - 1));
-    return {index, Probability(index, receiver), at - index};
+  Walk walk = {.u = u};
+  if (ChooseEvenly(receiver, &walk)) return walk.choice;
+  while (Descend(Weights(nodes_[walk.node].group, receiver), &walk)) {
   }
-  u = (u - kEvenChoices) / (1 - kEvenChoices);
-  float probability = 1;
-  for (uint32_t node = 0;;) {
-    const Floats4 weights = Weights(nodes_[node].group, receiver);
-    const float sum = weights[0] + weights[1] + weights[2] + weights[3];
-    if (!(sum > 0)) return {0, 0, u};
-    // The place whose part of the sum u falls into; roundings at the end fall to the last of them.
-    double rest = u * sum;
-    int place = 0;
-    for (int i = 0; i < 4; ++i) {
-      if (!(weights[i] > 0)) continue;
-      place = i;
-      if (rest < weights[i]) break;
-      rest -= weights[i];
-    }
-    u = std::min(rest / weights[place], 1.0);
-    probability *= weights[place] / sum;
-    if (nodes_[node].group.lights[place] == 1) {
-      const float even = static_cast<float>(kEvenChoices / n);
-      return {nodes_[node].child[place], static_cast<float>(1 - kEvenChoices) * probability + even,
-              u};
-    }
-    node = nodes_[node].child[place];
+  return walk.choice;
+}
+
+std::array<LightTree::Choice, kLanes> LightTree::Select(const LightReceiverLanes& receivers,
+                                                        const std::array<double, kLanes>& u,
+                                                        MaskLanes mask) const {
+  std::array<Choice, kLanes> choices;
+  if (lights_ == 1 || selection_ != LightSelection::kTree) {
+    ForEachLane(mask, [&](int lane) { choices[lane] = Select(receivers.Get(lane), u[lane]); });
+    return choices;
   }
+  std::array<Walk, kLanes> walks;
+  unsigned walking = 0;
+  ForEachLane(mask, [&](int lane) {
+    walks[lane].u = u[lane];
+    if (!ChooseEvenly(receivers.Get(lane), &walks[lane])) walking |= 1u << lane;
+  });
+  while (walking != 0) {
+    // Weighed two by two, then all go on.
+    std::array<Floats4, kLanes> weights;
+    for (unsigned rest = walking; rest != 0;) {
+      const int first = std::countr_zero(rest);
+      rest &= rest - 1;
+      const int second = rest != 0 ? std::countr_zero(rest) : first;
+      rest &= rest - 1;
+      const __m256 both = Importance(nodes_[walks[first].node].group,
+                                     nodes_[walks[second].node].group, receivers, first, second);
+      weights[second] = _mm256_extractf128_ps(both, 1);
+      weights[first] = _mm256_castps256_ps128(both);
+    }
+    for (unsigned rest = walking; rest != 0; rest &= rest - 1) {
+      const int lane = std::countr_zero(rest);
+      if (!Descend(weights[lane], &walks[lane])) walking &= ~(1u << lane);
+    }
+  }
+  ForEachLane(mask, [&](int lane) { choices[lane] = walks[lane].choice; });
+  return choices;
 }
 
 }  // namespace strata

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -23,6 +24,9 @@ class LightTree {
   };
   /// `u` in [0, 1). The tree must not be empty.
   Choice Select(const LightReceiver& receiver, double u) const;
+  /// Select for each lane in `mask`.
+  std::array<Choice, kLanes> Select(const LightReceiverLanes& receivers,
+                                    const std::array<double, kLanes>& u, MaskLanes mask) const;
   /// With which Select finds `index`.
   float Probability(uint32_t index, const LightReceiver& receiver) const;
 
@@ -32,6 +36,17 @@ class LightTree {
     uint32_t child[4] = {};  ///< A node, or, where there is one light below, that light.
   };
 
+  /// A walk from the root to a light.
+  struct Walk {
+    uint32_t node = 0;
+    float probability = 1;
+    double u = 0;
+    Choice choice;
+  };
+  /// Where a random number chooses one of the lights by no more than their number; true if it does.
+  bool ChooseEvenly(const LightReceiver& receiver, Walk* walk) const;
+  /// One step, by the weights of the node's groups; false at the end, where there is a choice.
+  bool Descend(Floats4 weights, Walk* walk) const;
   Floats4 Weights(const LightGroup& group, const LightReceiver& receiver) const;
   float TreeProbability(uint32_t index, const LightReceiver& receiver) const;
 

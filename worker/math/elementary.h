@@ -28,13 +28,24 @@ struct SinCosResult {
 
 namespace elementary_detail {
 
-/// c[0] + c[1] x + ... by Horner's rule, unrolled by the compiler.
-template <typename T, int N>
-constexpr T Horner(T x, const T (&c)[N]) {
-  T sum = c[N - 1];
+/// c[0] + c[1] x + ... by Horner's rule, unrolled by the compiler; for one x or for eight.
+template <typename T, typename Coefficient, int N>
+constexpr T Horner(T x, const Coefficient (&c)[N]) {
+  T sum = T{} + c[N - 1];
   for (int i = N - 2; i >= 0; --i) sum = sum * x + c[i];
   return sum;
 }
+
+// Coefficients of the float functions, lowest power first.
+inline constexpr float kSin2Pi[] = {6.2831855f, -41.34185028f, 81.63905334f, -79.56571198f,
+                                    122.551964f};
+inline constexpr float kCos2Pi[] = {1.0f, -19.73920822f, 64.93917847f, -85.4295044f, 58.81533051f};
+inline constexpr float kSin[] = {1.0f, -0.1666665375f, 8.332119323e-3f, -1.951062586e-4f};
+inline constexpr float kCos[] = {1.0f, -0.5f, 4.166664556e-2f, -1.388730947e-3f, 2.443232916e-5f};
+inline constexpr float kExpSlope[] = {0.9999999999f,   0.4999999702f,   0.166665405f,
+                                      4.166750237e-2f, 8.366866969e-3f, 1.38648018e-3f};
+inline constexpr float kAsin[] = {0.1666667312f, 7.498791814e-2f, 4.50130291e-2f, 2.64825039e-2f,
+                                  3.82265188e-2f};
 
 /// Turns sine and cosine of the reduced angle by `quadrant` right angles.
 template <typename T>
@@ -55,10 +66,8 @@ inline SinCosResult<float> SinCos2Pi(float u) {
   const float quadrant = std::floor(4 * u + 0.5f);
   const float r = u - 0.25f * quadrant;
   const float r2 = r * r;
-  const float sin = r * elementary_detail::Horner(r2, {6.2831855f, -41.34185028f, 81.63905334f,
-                                                       -79.56571198f, 122.551964f});
-  const float cos = elementary_detail::Horner(
-      r2, {1.0f, -19.73920822f, 64.93917847f, -85.4295044f, 58.81533051f});
+  const float sin = r * elementary_detail::Horner(r2, elementary_detail::kSin2Pi);
+  const float cos = elementary_detail::Horner(r2, elementary_detail::kCos2Pi);
   return elementary_detail::TurnQuadrant(sin, cos, static_cast<int64_t>(quadrant));
 }
 
@@ -67,10 +76,8 @@ inline SinCosResult<float> SinCos(float x) {
   const double quadrant = std::floor(x * (2 * std::numbers::inv_pi) + 0.5);
   const float r = static_cast<float>(x - quadrant * (std::numbers::pi / 2));
   const float r2 = r * r;
-  const float sin =
-      r * elementary_detail::Horner(r2, {1.0f, -0.1666665375f, 8.332119323e-3f, -1.951062586e-4f});
-  const float cos = elementary_detail::Horner(
-      r2, {1.0f, -0.5f, 4.166664556e-2f, -1.388730947e-3f, 2.443232916e-5f});
+  const float sin = r * elementary_detail::Horner(r2, elementary_detail::kSin);
+  const float cos = elementary_detail::Horner(r2, elementary_detail::kCos);
   return elementary_detail::TurnQuadrant(sin, cos, static_cast<int64_t>(quadrant));
 }
 inline float Sin(float x) { return SinCos(x).sin; }
@@ -82,10 +89,7 @@ inline float Tan(float x) {
 
 namespace elementary_detail {
 /// (e^r - 1) / r for |r| <= ln(2) / 2.
-inline float ExpSlope(float r) {
-  return Horner(r, {0.9999999999f, 0.4999999702f, 0.166665405f, 4.166750237e-2f, 8.366866969e-3f,
-                    1.38648018e-3f});
-}
+inline float ExpSlope(float r) { return Horner(r, kExpSlope); }
 /// log(1 + f) for 1 + f in [sqrt(1/2), sqrt(2)).
 inline float LogOnePlus(float f) {
   const float s = f / (2 + f);
@@ -141,9 +145,7 @@ namespace elementary_detail {
 /// asin(x) for |x| <= 1/2.
 inline float AsinSmall(float x) {
   const float x2 = x * x;
-  return x + x * x2 *
-                 Horner(x2, {0.1666667312f, 7.498791814e-2f, 4.50130291e-2f, 2.64825039e-2f,
-                             3.82265188e-2f});
+  return x + x * x2 * Horner(x2, kAsin);
 }
 }  // namespace elementary_detail
 

@@ -35,8 +35,13 @@ void ForEachLane(MaskLanes mask, F f) {
 inline FloatLanes Sqrt(FloatLanes v) { return _mm256_sqrt_ps(v); }
 inline FloatLanes Floor(FloatLanes v) { return _mm256_floor_ps(v); }
 inline FloatLanes Max(FloatLanes a, FloatLanes b) { return a > b ? a : b; }
+inline FloatLanes Min(FloatLanes a, FloatLanes b) { return a < b ? a : b; }
 inline FloatLanes Abs(FloatLanes v) {
   return reinterpret_cast<FloatLanes>(reinterpret_cast<IntLanes>(v) & 0x7fffffff);
+}
+inline FloatLanes CopySign(FloatLanes magnitude, FloatLanes sign) {
+  const IntLanes sign_bit = reinterpret_cast<IntLanes>(sign) & static_cast<int32_t>(0x80000000);
+  return reinterpret_cast<FloatLanes>(reinterpret_cast<IntLanes>(Abs(magnitude)) | sign_bit);
 }
 inline IntLanes ToInt(FloatLanes v) { return reinterpret_cast<IntLanes>(_mm256_cvttps_epi32(v)); }
 inline FloatLanes ToFloat(IntLanes v) { return __builtin_convertvector(v, FloatLanes); }
@@ -82,9 +87,17 @@ struct Vec3Lanes {
   }
 };
 
+template <>
+struct VectorsOf<FloatLanes> {
+  using Vec2 = Vec2Lanes;
+  using Vec3 = Vec3Lanes;
+};
+
 inline Vec3Lanes SameVector(Vec3f v) { return {SameFloat(v.x), SameFloat(v.y), SameFloat(v.z)}; }
 inline FloatLanes Dot(Vec3Lanes a, Vec3Lanes b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline FloatLanes AbsDot(Vec3Lanes a, Vec3Lanes b) { return Abs(Dot(a, b)); }
 inline FloatLanes LengthSquared(Vec3Lanes a) { return Dot(a, a); }
+inline Vec3Lanes Normalize(Vec3Lanes a) { return a * (1 / Sqrt(LengthSquared(a))); }
 inline Vec3Lanes Cross(Vec3Lanes a, Vec3Lanes b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
@@ -97,7 +110,9 @@ struct RgbLanes {
   FloatLanes r = {}, g = {}, b = {};
 
   friend RgbLanes operator+(RgbLanes a, RgbLanes b) { return {a.r + b.r, a.g + b.g, a.b + b.b}; }
+  friend RgbLanes operator-(RgbLanes a, RgbLanes b) { return {a.r - b.r, a.g - b.g, a.b - b.b}; }
   friend RgbLanes operator*(RgbLanes a, RgbLanes b) { return {a.r * b.r, a.g * b.g, a.b * b.b}; }
+  friend RgbLanes operator/(RgbLanes a, RgbLanes b) { return {a.r / b.r, a.g / b.g, a.b / b.b}; }
   friend RgbLanes operator*(RgbLanes a, FloatLanes s) { return {a.r * s, a.g * s, a.b * s}; }
 
   Rgb Get(int lane) const { return {r[lane], g[lane], b[lane]}; }
@@ -107,6 +122,7 @@ struct RgbLanes {
     b[lane] = v.b;
   }
 };
+inline RgbLanes SameColor(Rgb c) { return {SameFloat(c.r), SameFloat(c.g), SameFloat(c.b)}; }
 inline MaskLanes IsBlack(RgbLanes c) { return (c.r == 0) & (c.g == 0) & (c.b == 0); }
 inline FloatLanes MaxComponent(RgbLanes c) { return Max(c.r, Max(c.g, c.b)); }
 inline RgbLanes Select(MaskLanes m, RgbLanes a, RgbLanes b) {
@@ -116,6 +132,7 @@ inline RgbLanes Select(MaskLanes m, RgbLanes a, RgbLanes b) {
 struct FrameLanes {
   Vec3Lanes x, y, z;
 
+  Vec3Lanes ToLocal(Vec3Lanes v) const { return {Dot(v, x), Dot(v, y), Dot(v, z)}; }
   Vec3Lanes ToWorld(Vec3Lanes v) const { return x * v.x + y * v.y + z * v.z; }
   Frame Get(int lane) const { return {x.Get(lane), y.Get(lane), z.Get(lane)}; }
   void Set(int lane, const Frame& frame) {

@@ -5,6 +5,13 @@
 
 namespace strata {
 
+// Named as those of lanes.h, for formulas that are written once for one value and for eight.
+inline float Sqrt(float v) { return std::sqrt(v); }
+inline float Abs(float v) { return std::fabs(v); }
+inline float Min(float a, float b) { return std::min(a, b); }
+inline float Max(float a, float b) { return std::max(a, b); }
+inline float CopySign(float magnitude, float sign) { return std::copysign(magnitude, sign); }
+
 struct Vec2f {
   float x = 0, y = 0;
   bool operator==(const Vec2f&) const = default;
@@ -43,6 +50,15 @@ inline float MaxComponent(Vec3f a) { return std::max(a.x, std::max(a.y, a.z)); }
 inline bool IsFinite(Vec3f a) {
   return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
 }
+
+/// The vectors whose coordinates are T.
+template <typename T>
+struct VectorsOf;
+template <>
+struct VectorsOf<float> {
+  using Vec2 = Vec2f;
+  using Vec3 = Vec3f;
+};
 
 /// Linear Rec.709 (sRGB primaries, D65 white) colour or radiance.
 struct Rgb {

@@ -14,8 +14,8 @@ uint32_t FeaturesOf(const Scene& scene) {
   if (!scene.lights().environments().empty()) features |= kEnvironments;
   if (scene.geometry().has_alpha()) features |= kAlphaMasks;
   if (!scene.mirror_images().empty()) features |= kMirrorImages;
-  for (const MaterialSet::LambertRow& row : scene.materials().lambert_rows()) {
-    if (row[3] == 0) features |= kOtherMaterials;
+  for (const BaseRow& row : scene.materials().base_rows()) {
+    if (row.flags != BaseRow::kBase) features |= kOtherMaterials;
   }
   if (scene.lights().SelectNeedsLowBits()) features |= kManyLights;
   return features;

@@ -25,6 +25,7 @@ class Scene {
                                                             const BuildOptions& options = {});
 
   const Geometry& geometry() const { return *geometry_; }
+  const TextureSet& textures() const { return *textures_; }
   const MaterialSet& materials() const { return *materials_; }
   const LightSet& lights() const { return *lights_; }
   const MirrorImages& mirror_images() const { return mirror_images_; }
