@@ -78,7 +78,7 @@ AlbedoTable TabulateTrappedLight(float eta);
 inline float EvalCoatBorder(const Coat& coat, Vec3f wo, Vec3f wi) {
   const Vec3f m = Normalize(wo + wi);
   const float fresnel =
-      FresnelDielectric(std::fmin(AbsDot(wo, m), 1.0f), coat.interface->eta()).reflectance;
+      FresnelDielectric(Min(AbsDot(wo, m), 1.0f), coat.interface->eta()).reflectance;
   return fresnel * coat.ggx.D(m) * coat.ggx.VisibilityOver4(wo, wi) * wi.z;
 }
 inline float CoatBorderPdf(const Coat& coat, Vec3f wo, Vec3f wi) {

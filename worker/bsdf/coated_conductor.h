@@ -58,7 +58,7 @@ struct CoatedConductorBsdf {
   /// What the metal returns at the cosine of its own microfacets, internal reflections included.
   Rgb Series(float cos_metal, float length, float returned) const {
     const Rgb transmittance = CoatTransmittance(coat.optical_depth, length);
-    const Rgb once = FresnelConductor(std::fmin(cos_metal, 1.0f), eta, k) * transmittance;
+    const Rgb once = FresnelConductor(Min(cos_metal, 1.0f), eta, k) * transmittance;
     return once / (Rgb::Gray(1) - once * returned);
   }
 

@@ -22,7 +22,7 @@ inline bool HasDelta(const ConductorBsdf& bsdf) { return IsDelta(bsdf); }
 inline Rgb Eval(const ConductorBsdf& bsdf, Vec3f wo, Vec3f wi) {
   if (!(wo.z * wi.z > 0) || bsdf.ggx.IsSmooth()) return {};
   const Vec3f m = Normalize(wo + wi);
-  const Rgb fresnel = FresnelConductor(std::fmin(AbsDot(wo, m), 1.0f), bsdf.eta, bsdf.k);
+  const Rgb fresnel = FresnelConductor(Min(AbsDot(wo, m), 1.0f), bsdf.eta, bsdf.k);
   return fresnel * (bsdf.ggx.D(m) * bsdf.ggx.VisibilityOver4(wo, wi) * std::fabs(wi.z));
 }
 
@@ -43,7 +43,7 @@ inline std::optional<BsdfSample> Sample(const ConductorBsdf& bsdf, Vec3f wo, flo
   const Vec3f m = bsdf.ggx.SampleVisibleNormal(upper, u);
   Vec3f wi = Reflect(upper, m);
   if (!(wi.z > 0)) return std::nullopt;
-  const Rgb fresnel = FresnelConductor(std::fmin(AbsDot(upper, m), 1.0f), bsdf.eta, bsdf.k);
+  const Rgb fresnel = FresnelConductor(Min(AbsDot(upper, m), 1.0f), bsdf.eta, bsdf.k);
   const Rgb weight = fresnel * bsdf.ggx.MaskingRatio(upper, wi);
   const float pdf = 0.25f * bsdf.ggx.VisibleNormalPdfOverCos(upper, m);
   wi.z = std::copysign(wi.z, wo.z);

@@ -44,8 +44,8 @@ inline Meeting Meet(const DielectricBsdf& bsdf, Vec3f wo, Vec3f wi) {
   meeting.m = half * (std::copysign(1.0f, half.z) / std::sqrt(length2));
   const float o_dot_m = Dot(wo, meeting.m), i_dot_m = Dot(wi, meeting.m);
   if (!(o_dot_m * wo.z > 0) || !(i_dot_m * wi.z > 0)) return meeting;
-  meeting.cos_o = std::fmin(std::fabs(o_dot_m), 1.0f);
-  meeting.cos_i = std::fmin(std::fabs(i_dot_m), 1.0f);
+  meeting.cos_o = Min(std::fabs(o_dot_m), 1.0f);
+  meeting.cos_i = Min(std::fabs(i_dot_m), 1.0f);
   meeting.reflectance = FresnelDielectric(meeting.cos_o, eta).reflectance;
   const float bend = i_dot_m * eta + o_dot_m;
   meeting.jacobian =
@@ -86,7 +86,7 @@ inline std::optional<BsdfSample> Sample(const DielectricBsdf& bsdf, Vec3f wo, fl
   const float eta = bsdf.EtaFrom(wo);
   const Vec3f upper = {wo.x, wo.y, std::fabs(wo.z)};
   const Vec3f m = smooth ? Vec3f{0, 0, 1} : bsdf.ggx.SampleVisibleNormal(upper, u);
-  const float cos_o = std::fmin(Dot(upper, m), 1.0f);
+  const float cos_o = Min(Dot(upper, m), 1.0f);
   if (!(cos_o > 0)) return std::nullopt;
   const DielectricFresnel fresnel = FresnelDielectric(cos_o, eta);
 

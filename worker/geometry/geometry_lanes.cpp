@@ -36,8 +36,8 @@ Vec3Lanes GatherVectors(const std::vector<Vec3f>& from, IntLanes index, MaskLane
 }
 
 /// PointOnTriangle, but for what only some materials ask for.
-SurfaceLanes PointsOnTriangles(const TriangleSet& set, const HitLanes& hits, MaskLanes mask,
-                               bool with_uv) {
+void PointsOnTriangles(const TriangleSet& set, const HitLanes& hits, MaskLanes mask, bool with_uv,
+                       SurfaceLanes* surface) {
   const auto bits = [](FloatLanes v) { return reinterpret_cast<IntLanes>(v); };
   const RowLanes triangle =
       GatherRows(reinterpret_cast<const float*>(set.triangles.data()), hits.primitive * 4, mask);
@@ -47,16 +47,15 @@ SurfaceLanes PointsOnTriangles(const TriangleSet& set, const HitLanes& hits, Mas
   static_assert(sizeof(TriangleSet::Shape) == 24);
   const RowLanes shape =
       GatherRows(reinterpret_cast<const float*>(set.shapes.data()), (last & 0x7fffffff) * 6, mask);
-  SurfaceLanes surface;
-  surface.material = bits(shape.v[0]);
+  surface->material = bits(shape.v[0]);
   const IntLanes first_light = bits(shape.v[1]), first_triangle = bits(shape.v[2]),
                  normal_offset = bits(shape.v[3]);
-  surface.light = first_light >= 0 ? first_light + (hits.primitive - first_triangle) : SameInt(-1);
+  surface->light = first_light >= 0 ? first_light + (hits.primitive - first_triangle) : SameInt(-1);
 
   const Vec3Lanes p0 = GatherVectors(set.positions, v0, mask);
   const Vec3Lanes e1 = GatherVectors(set.positions, v1, mask) - p0,
                   e2 = GatherVectors(set.positions, v2, mask) - p0;
-  surface.p = p0 + (hits.u * e1 + hits.v * e2);
+  const Vec3Lanes p = p0 + (hits.u * e1 + hits.v * e2);
 
   const Vec3Lanes cross = Cross(e1, e2);
   const FloatLanes length2 = LengthSquared(cross);
@@ -68,21 +67,22 @@ SurfaceLanes PointsOnTriangles(const TriangleSet& set, const HitLanes& hits, Mas
     normal.Set(lane, unit.direction);
     inverse[lane] = unit.inverse_length;
   });
-  surface.ng = Select(flipped, -normal, normal);
-  surface.ns = surface.ng;
+  const Vec3Lanes ng = Select(flipped, -normal, normal);
 
   const Vec3Lanes size1 = Abs(e1), size2 = Abs(e2), reach = size1 + size2;
   const Vec3Lanes cross_terms = {size1.y * size2.z + size1.z * size2.y,
                                  size1.z * size2.x + size1.x * size2.z,
                                  size1.x * size2.y + size1.y * size2.x};
   const FloatLanes tilt = Gamma(3) * Dot(cross_terms, reach) * inverse;
-  const Vec3Lanes size = Abs(surface.ng);
-  const Vec3Lanes error =
-      Abs(surface.p) * SameFloat(Gamma(1)) + reach * SameFloat(Gamma(5)) + size * tilt;
-  surface.offset = Dot(size, error);
+  const Vec3Lanes size = Abs(ng);
+  const Vec3Lanes error = Abs(p) * SameFloat(Gamma(1)) + reach * SameFloat(Gamma(5)) + size * tilt;
+  surface->p = p;
+  surface->ng = ng;
+  surface->offset = Dot(size, error);
 
   const MaskLanes smooth =
       mask & (normal_offset != static_cast<int32_t>(TriangleSet::Shape::kNone));
+  surface->ns = ng;
   if (Any(smooth)) {
     const auto normal_of = [&](IntLanes vertex) {
       return GatherVectors(set.normals, vertex + normal_offset, smooth);
@@ -92,15 +92,15 @@ SurfaceLanes PointsOnTriangles(const TriangleSet& set, const HitLanes& hits, Mas
     const FloatLanes ns2 = LengthSquared(ns);
     const Vec3Lanes unit = ns * (1 / Sqrt(ns2));
     const MaskLanes usable = smooth & (ns2 > 1e-8f);
-    surface.ns = Select(usable, Select(Dot(unit, surface.ng) < 0, -unit, unit), surface.ns);
+    surface->ns = Select(usable, Select(Dot(unit, ng) < 0, -unit, unit), ng);
   }
-  if (!with_uv) return surface;
+  if (!with_uv) return;
   const IntLanes uv_offset = bits(GatherRows(reinterpret_cast<const float*>(set.shapes.data()),
                                              (last & 0x7fffffff) * 6 + 2, mask)
                                       .v[2]);
   const MaskLanes mapped = mask & (uv_offset != static_cast<int32_t>(TriangleSet::Shape::kNone));
-  surface.uv = {hits.u + hits.v, hits.v};  // See TriangleUvs.
-  if (!Any(mapped)) return surface;
+  surface->uv = {hits.u + hits.v, hits.v};  // See TriangleUvs.
+  if (!Any(mapped)) return;
   const auto uv_of = [&](IntLanes vertex) {
     const RowLanes row = GatherRows(&set.uvs.front().x, (vertex + uv_offset) * 2, mapped);
     return Vec2Lanes{row.v[0], row.v[1]};
@@ -109,9 +109,8 @@ SurfaceLanes PointsOnTriangles(const TriangleSet& set, const HitLanes& hits, Mas
   const auto at = [&](FloatLanes c0, FloatLanes c1, FloatLanes c2) {
     return c0 + (hits.u * (c1 - c0) + hits.v * (c2 - c0));
   };
-  surface.uv.x = mapped ? at(uv0.x, uv1.x, uv2.x) : surface.uv.x;
-  surface.uv.y = mapped ? at(uv0.y, uv1.y, uv2.y) : surface.uv.y;
-  return surface;
+  surface->uv.x = mapped ? at(uv0.x, uv1.x, uv2.x) : surface->uv.x;
+  surface->uv.y = mapped ? at(uv0.y, uv1.y, uv2.y) : surface->uv.y;
 }
 
 }  // namespace
@@ -146,17 +145,15 @@ MaskLanes Occluded(const Geometry& geometry, const RayLanes& rays, MaskLanes act
   return active & (Load(packet.tfar) < 0);
 }
 
-SurfaceLanes Surfaces(const Geometry& geometry, const RayLanes& rays, const HitLanes& hits,
-                      MaskLanes hit, bool with_uv) {
+void FindSurfaces(const Geometry& geometry, const RayLanes& rays, const HitLanes& hits,
+                  MaskLanes hit, bool with_uv, SurfaceLanes* surfaces) {
   const MaskLanes triangles =
       hit & (hits.geometry == static_cast<int32_t>(kTriangleGeometry)) & (hits.instance == -1);
-  SurfaceLanes surfaces;
   if (Any(triangles))
-    surfaces = PointsOnTriangles(geometry.state().world.triangles, hits, triangles, with_uv);
+    PointsOnTriangles(geometry.state().world.triangles, hits, triangles, with_uv, surfaces);
   ForEachLane(hit & ~triangles, [&](int lane) {
-    surfaces.Set(lane, geometry.Surface(rays.Get(lane), hits.Get(lane)));
+    surfaces->Set(lane, geometry.Surface(rays.Get(lane), hits.Get(lane)));
   });
-  return surfaces;
 }
 
 }  // namespace strata

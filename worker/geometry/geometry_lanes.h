@@ -61,8 +61,8 @@ MaskLanes Intersect(const Geometry& geometry, const RayLanes& rays, MaskLanes ac
 MaskLanes Occluded(const Geometry& geometry, const RayLanes& rays, MaskLanes active);
 /// The points of the lanes in `hit`: triangles of the world itself without alpha masks side by
 /// side, all else one by one. `with_uv` asks for texture coordinates.
-SurfaceLanes Surfaces(const Geometry& geometry, const RayLanes& rays, const HitLanes& hits,
-                      MaskLanes hit, bool with_uv);
+void FindSurfaces(const Geometry& geometry, const RayLanes& rays, const HitLanes& hits,
+                  MaskLanes hit, bool with_uv, SurfaceLanes* surfaces);
 
 /// OffsetRayOrigin for points whose |ng| . p_error is `distance`.
 inline Vec3Lanes OffsetRayOrigins(Vec3Lanes p, FloatLanes distance, Vec3Lanes ng, Vec3Lanes w) {

@@ -120,7 +120,7 @@ class PathLanes {
     if (HasEnvironments()) ForEachLane(alive & ~found, [&](int lane) { AddEnvironment(lane); });
     if (!Any(found)) return alive;
     constexpr bool kWithUv = (kHas & kOtherMaterials) != 0;
-    surface_ = Surfaces(scene_.geometry(), ray_, hits, found, kWithUv);
+    FindSurfaces(scene_.geometry(), ray_, hits, found, kWithUv, &surface_);
     ForEachLane(found & (surface_.light >= 0), [&](int lane) { AddEmission(lane, hits); });
     const MaskLanes last = depth_ == settings_.max_depth;
     MaskLanes going = found & ~(last & (depth_ > 0));
@@ -157,7 +157,7 @@ class PathLanes {
     }
   }
 
-  void AddEmission(int lane, const HitLanes& hits) {
+  [[gnu::noinline]] void AddEmission(int lane, const HitLanes& hits) {
     const LightSet& lights = scene_.lights();
     const uint32_t surface = static_cast<uint32_t>(surface_.light[lane]);
     const Vec3f direction = ray_.direction.Get(lane), ng = surface_.ng.Get(lane);
@@ -229,7 +229,7 @@ class PathLanes {
   }
 
   /// The BSDF of the lane's vertex; turns its frame where the material is not isotropic.
-  const Bsdf& BsdfOf(int lane, const HitLanes& hits, Vec3f wo) {
+  [[gnu::noinline]] const Bsdf& BsdfOf(int lane, const HitLanes& hits, Vec3f wo) {
     const MaterialSet& materials = scene_.materials();
     const MaterialId id = surface_.material[lane];
     const Bsdf* constant = materials.Constant(id);
@@ -308,7 +308,7 @@ class PathLanes {
       bsdf_pdf = coated ? value.pdf : bsdf_pdf;
     }
     ForEachLane(OtherMaterials(mask), [&](int lane) {
-      const BsdfValue value = EvalPdf(*bsdf_[lane], wo_.Get(lane), wi.Get(lane));
+      const BsdfValue value = ValueOf(lane, wi.Get(lane));
       f.Set(lane, value.f);
       bsdf_pdf[lane] = value.pdf;
     });
@@ -373,7 +373,12 @@ class PathLanes {
     return going & SidesAgree(ray_.direction, wi.z);
   }
 
-  std::optional<BsdfSample> SampleOf(int lane, float u_lobe, Vec2f u) const {
+  /// Density and value of a BSDF that is not one of the common kinds.
+  [[gnu::noinline]] BsdfValue ValueOf(int lane, Vec3f wi) const {
+    return EvalPdf(*bsdf_[lane], wo_.Get(lane), wi);
+  }
+
+  [[gnu::noinline]] std::optional<BsdfSample> SampleOf(int lane, float u_lobe, Vec2f u) const {
     if (!guided_[lane]) return Sample(*bsdf_[lane], wo_.Get(lane), u_lobe, u);
     const Frame frame = frame_.Get(lane);
     if (!lambertian_[lane])

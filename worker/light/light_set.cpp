@@ -168,12 +168,16 @@ void LightSet::FindProbabilities() {
   }
 }
 
+std::optional<LightSample> LightSet::Sample(uint32_t light, Vec3f from, Vec2f u) const {
+  return std::visit([&](const auto& l) { return SampleLi(l, from, u); }, lights_[light]);
+}
+
 LightSet::ChoiceLanes LightSet::Select(const LightReceiverLanes& receivers, Vec2Lanes u,
                                        MaskLanes mask) const {
   ChoiceLanes choices;
   if (lights_.size() == 1) return {IntLanes{}, SameFloat(1), u.x};
   std::array<const Group*, kLanes> groups;
-  std::array<double, kLanes> rest = {};
+  std::array<double, kLanes> rest;
   MaskLanes in_tree = {};
   ForEachLane(mask, [&](int lane) {
     groups[lane] = &ChooseGroup(u.x[lane], u.y[lane], &rest[lane]);

@@ -188,10 +188,6 @@ inline float LightSet::SurfacePdf(uint32_t surface, const LightReceiver& receive
   return probability * PdfLi(*std::get_if<TexturedLight>(&l), receiver.p, hit);
 }
 
-inline std::optional<LightSample> LightSet::Sample(uint32_t light, Vec3f from, Vec2f u) const {
-  return std::visit([&](const auto& l) { return SampleLi(l, from, u); }, lights_[light]);
-}
-
 inline LightSampleLanes LightSet::Sample(IntLanes light, Vec3Lanes from, Vec2Lanes u,
                                          MaskLanes mask) const {
   LightSampleLanes samples;

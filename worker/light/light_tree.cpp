@@ -254,7 +254,7 @@ bool LightTree::Descend(Floats4 weights, Walk* walk) const {
 
 LightTree::Choice LightTree::Select(const LightReceiver& receiver, double u) const {
   if (lights_ == 1) return {0, 1, u};
-  Walk walk = {.u = u};
+  Walk walk = {0, 1, u, {}};
   if (ChooseEvenly(receiver, &walk)) return walk.choice;
   while (Descend(Weights(nodes_[walk.node].group, receiver), &walk)) {
   }
@@ -272,7 +272,7 @@ std::array<LightTree::Choice, kLanes> LightTree::Select(const LightReceiverLanes
   std::array<Walk, kLanes> walks;
   unsigned walking = 0;
   ForEachLane(mask, [&](int lane) {
-    walks[lane].u = u[lane];
+    walks[lane] = {0, 1, u[lane], {}};
     if (!ChooseEvenly(receivers.Get(lane), &walks[lane])) walking |= 1u << lane;
   });
   while (walking != 0) {

@@ -18,9 +18,9 @@ class LightTree {
   static LightTree Build(const std::vector<LightBounds>& bounds, LightSelection selection);
 
   struct Choice {
-    uint32_t index = 0;
-    float probability = 0;  ///< 0: no light was found that can reach the point.
-    double u = 0;           ///< What is left of the random number.
+    uint32_t index;
+    float probability;  ///< 0: no light was found that can reach the point.
+    double u;           ///< What is left of the random number.
   };
   /// `u` in [0, 1). The tree must not be empty.
   Choice Select(const LightReceiver& receiver, double u) const;
@@ -38,9 +38,9 @@ class LightTree {
 
   /// A walk from the root to a light.
   struct Walk {
-    uint32_t node = 0;
-    float probability = 1;
-    double u = 0;
+    uint32_t node;
+    float probability;
+    double u;
     Choice choice;
   };
   /// Where a random number chooses one of the lights by no more than their number; true if it does.

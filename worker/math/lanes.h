@@ -55,6 +55,8 @@ struct RowLanes {
 inline RowLanes GatherRows(const float* base, IntLanes index, MaskLanes mask) {
   alignas(32) int32_t at[kLanes];
   _mm256_store_si256(reinterpret_cast<__m256i*>(at), reinterpret_cast<__m256i>(index & mask));
+  // From memory: left to itself gcc 12 takes the vector apart in registers, which is slower.
+  asm("" : "+m"(at));
   const auto pair = [&](int lane) {
     return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(base + at[lane])),
                                 _mm_loadu_ps(base + at[lane + 4]), 1);
