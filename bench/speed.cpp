@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "bench/raw_embree.h"
+#include "bench/scenes.h"
 #include "worker/integrator/render.h"
-#include "worker/scene/scene.h"
 
 namespace strata {
 namespace {
@@ -52,12 +52,11 @@ struct Row {
 };
 
 absl::StatusOr<Row> Measure(const std::string& path, const Options& options) {
-  const std::filesystem::path file = std::filesystem::absolute(path);
-  const DirectorySource source(file.parent_path());
   Row row;
-  row.scene = (file.parent_path().filename() / file.stem()).string();
+  const std::filesystem::path file = std::filesystem::absolute(path);
+  row.scene = file.has_extension() ? (file.parent_path().filename() / file.stem()).string() : path;
   const Clock::time_point load = Clock::now();
-  STRATA_ASSIGN_OR_RETURN(const auto scene, LoadScene(source, file.filename().string()));
+  STRATA_ASSIGN_OR_RETURN(const auto scene, LoadBenchScene(path));
   row.load_s = Since(load);
 
   JobSpec spec;
@@ -141,7 +140,8 @@ int Main(int argc, char** argv) {
   std::vector<std::string> scenes;
   Options options;
   bool json = false;
-  app.add_option("scenes", scenes, "pbrt files; default: our own and the shared ones");
+  app.add_option("scenes", scenes,
+                 kBenchScenes + std::string("; default: our own and the shared ones"));
   app.add_option("--size", options.size, "edge of the square frame in pixels");
   app.add_option("--spp", options.spp, "samples per pixel, a multiple of 8");
   app.add_option("--threads", options.threads);

@@ -252,7 +252,10 @@ absl::StatusOr<std::unique_ptr<MaterialSet>> MaterialSet::Build(
     set->entries_.push_back(entry);
   }
   STRATA_RETURN_IF_ERROR(set->SetDetails(details));
-  for (MaterialId id = 0; id < count; ++id) set->base_rows_.push_back(set->BaseRowOf(id));
+  for (MaterialId id = 0; id < count; ++id) {
+    set->base_rows_.push_back(set->BaseRowOf(id));
+    if (set->base_rows_.back().flags & BaseRow::kImage) set->has_base_images_ = true;
+  }
   return set;
 }
 

@@ -74,6 +74,9 @@ class PathLanes {
   bool HasEnvironments() const {
     return (kHas & kEnvironments) && !scene_.lights().environments().empty();
   }
+  bool HasBaseImages() const {
+    return (kHas & kOtherMaterials) && scene_.materials().has_base_images();
+  }
   bool HasMirrorImages() const { return (kHas & kMirrorImages) && !scene_.mirror_images().empty(); }
   bool ChoosesLights() const {
     return (kHas & kManyLights) && scene_.lights().SelectNeedsLowBits();
@@ -119,8 +122,7 @@ class PathLanes {
     const MaskLanes found = Intersect(scene_.geometry(), ray_, alive, &hits);
     if (HasEnvironments()) ForEachLane(alive & ~found, [&](int lane) { AddEnvironment(lane); });
     if (!Any(found)) return alive;
-    constexpr bool kWithUv = (kHas & kOtherMaterials) != 0;
-    FindSurfaces(scene_.geometry(), ray_, hits, found, kWithUv, &surface_);
+    FindSurfaces(scene_.geometry(), ray_, hits, found, HasBaseImages(), &surface_);
     ForEachLane(found & (surface_.light >= 0), [&](int lane) { AddEmission(lane, hits); });
     const MaskLanes last = depth_ == settings_.max_depth;
     MaskLanes going = found & ~(last & (depth_ > 0));
@@ -188,6 +190,7 @@ class PathLanes {
     if (HasMirrorImages()) base &= ~coat;
     lambertian_ = base & ~coat;
     coated_ = base & coat;
+    if (!HasBaseImages()) return;
     const MaskLanes image = base & ((flags & BaseRow::kImage) != 0);
     std::array<TextureSet::BegunLookUp, kLanes> look_ups;
     ForEachLane(image, [&](int lane) {
