@@ -123,6 +123,30 @@ TEST(Textures, MappingScaleAndInversion) {
   EXPECT_EQ(set->Eval(3, uv, {}).r, set->Eval(3, uv, {}).b);
 }
 
+TEST(Textures, LookUpsInTwoStepsFindTheSame) {
+  const ImageFolder folder;
+  std::vector<float> shades;
+  for (int i = 0; i < 5 * 4 * 3; ++i) shades.push_back(0.01f * static_cast<float>(i));
+  folder.Write("image.exr", 5, 4, shades);
+  folder.Write("image.png", 5, 4, shades);
+  const auto set =
+      MustLoad({ImageTexture{"image.exr"}, ImageTexture{"image.png", {2, 3, 0.1f, 0.2f}},
+                ImageTexture{.path = "image.png", .wrap = ImageWrap::kBlack, .channel = 1},
+                ImageTexture{.path = "image.png", .scale = 0.5f, .invert = true, .nearest = true},
+                ImageTexture{.path = "image.exr", .second_uv = true}, ScaleTexture{0, 1},
+                CheckerboardTexture{.a = 0, .b = 1}, ScaleTexture{0, 4}},
+               folder);
+  for (const TextureId id : {4, 7}) EXPECT_FALSE(set->NeedsFirstUvOnly(id));
+  for (const TextureId id : {0, 1, 2, 3, 5, 6}) {
+    EXPECT_TRUE(set->NeedsFirstUvOnly(id));
+    for (float u = -1.2f; u < 2; u += 0.07f) {
+      for (float v = -1.2f; v < 2; v += 0.07f)
+        EXPECT_EQ(set->Finish(set->Begin(id, {u, v}, {})), set->Eval(id, {u, v}, {}))
+            << id << " at " << u << " " << v;
+    }
+  }
+}
+
 TEST(Textures, EightBitCodesAreDecodedAsAsked) {
   const ImageFolder folder;
   folder.Write("gray.png", 1, 1, {0.2140411f, 0.2140411f, 0.2140411f});  // Code 127 or 128.

@@ -2,9 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <vector>
+
+#include "worker/math/elementary_lanes.h"
 
 // Against long double libm on dense grids: the stated bounds of elementary.h hold, with a margin of
 // the grid's own making only (no randomness).
@@ -171,6 +174,35 @@ TEST(ElementaryFloat, Edges) {
   EXPECT_TRUE(std::isnan(Atan2(std::nanf(""), 1.0f)));
   EXPECT_TRUE(std::isnan(Atan2(1.0f, std::nanf(""))));
   EXPECT_FLOAT_EQ(Pow(2.0f, 10.0f), 1024);
+}
+
+TEST(ElementaryLanes, HaveTheBitsOfEach) {
+  std::vector<float> points = Grid(-4.0f, 4.0f);
+  for (const float x : Grid(-200.0f, 200.0f)) points.push_back(x);
+  for (const float x : {0.0f, -0.0f, 1.5f, -1.5f, 1e-40f, static_cast<float>(kInfinity)})
+    points.push_back(x);
+  points.push_back(std::numeric_limits<float>::quiet_NaN());
+  const auto bits = [](float x) { return std::bit_cast<uint32_t>(x); };
+  for (size_t i = 0; i + kLanes <= points.size(); i += kLanes) {
+    FloatLanes x;
+    for (int lane = 0; lane < kLanes; ++lane) x[lane] = points[i + lane];
+    const FloatLanes exp = Exp(x), acos = Acos(x);
+    const SinCosResult<FloatLanes> radians = SinCos(x), turns = SinCos2Pi(x);
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const float p = points[i + lane];
+      if (std::isnan(p)) {
+        EXPECT_TRUE(std::isnan(exp[lane]) && std::isnan(acos[lane]));
+        continue;
+      }
+      EXPECT_EQ(bits(exp[lane]), bits(Exp(p))) << p;
+      EXPECT_EQ(bits(acos[lane]), bits(Acos(p))) << p;
+      if (std::isinf(p)) continue;
+      EXPECT_EQ(bits(radians.sin[lane]), bits(SinCos(p).sin)) << p;
+      EXPECT_EQ(bits(radians.cos[lane]), bits(SinCos(p).cos)) << p;
+      EXPECT_EQ(bits(turns.sin[lane]), bits(SinCos2Pi(p).sin)) << p;
+      EXPECT_EQ(bits(turns.cos[lane]), bits(SinCos2Pi(p).cos)) << p;
+    }
+  }
 }
 
 TEST(ElementaryDouble, SineCosineTangent) {

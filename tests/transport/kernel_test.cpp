@@ -138,11 +138,38 @@ TestScene Room(bool plain) {
   return scene;
 }
 
+/// A room of papered and varnished surfaces.
+TestScene VarnishedRoom() {
+  TestScene scene = Room(false);
+  ImageFile picture = {.width = 16, .height = 16, .channels = 3, .eight_bit = true};
+  for (int i = 0; i < 16 * 16 * 3; ++i)
+    picture.values.push_back(static_cast<float>(37 * i % 256) / 255);
+  scene.description.textures.push_back(
+      ImageTexture{.path = "picture",
+                   .mapping = {3, 2},
+                   .embedded = std::make_shared<const EmbeddedImage>(std::move(picture))});
+  const TextureId image = static_cast<TextureId>(scene.description.textures.size()) - 1;
+  const TextureId gray = scene.Texture(Rgb::Gray(0.6f));
+  const auto coated = [&](TextureId reflectance, float alpha, float thickness) {
+    const TextureId roughness = scene.Texture(Rgb::Gray(alpha));
+    return scene.Material(
+        CoatedDiffuseMaterial{.reflectance = reflectance,
+                              .roughness = {.u = roughness, .v = roughness, .remap = false},
+                              .thickness = thickness});
+  };
+  scene.description.shapes[0].material = coated(image, 0.01f, 0.01f);
+  scene.description.shapes[1].material = scene.Material(DiffuseMaterial{image});
+  scene.Sphere({-1, 0.5f, 0.5f}, 0.5f, coated(image, 0, 0.3f));
+  scene.Sphere({-0.3f, 0.3f, -0.5f}, 0.3f, coated(gray, 0.2f, 0));
+  scene.Sphere({1.3f, 0.3f, -0.3f}, 0.3f, coated(gray, 0, 0.01f));
+  return scene;
+}
+
 TEST(KernelTest, TheSmallestKernelGivesTheBitsOfAnyOther) {
   const JobSpec spec = TestSpec(32, 16, 8);
   const DirectorySource source(".");
   uint32_t last = kAllFeatures + 1;
-  for (const TestScene& scene : {OneOfEach(), Room(false), Room(true)}) {
+  for (const TestScene& scene : {OneOfEach(), VarnishedRoom(), Room(true)}) {
     const auto least = BuildScene(scene);
     EXPECT_LT(least->features(), last);
     last = least->features();
@@ -151,6 +178,16 @@ TEST(KernelTest, TheSmallestKernelGivesTheBitsOfAnyOther) {
     EXPECT_EQ(RenderFrame(least, spec).values, RenderFrame(any, spec).values);
   }
   EXPECT_EQ(last, kNoFeatures);
+}
+
+TEST(KernelTest, VarnishedSurfacesAgree) {
+  const auto scene = BuildScene(VarnishedRoom());
+  ASSERT_TRUE(scene->materials().has_base_images());
+  ASSERT_TRUE(scene->mirror_images().empty());
+  JobSpec spec = TestSpec(48, 64, 12);
+  EXPECT_GE(AgreeingShare(scene, spec, 1e-5), 0.999);
+  spec.channels.albedo = spec.channels.normal = true;
+  EXPECT_GE(AgreeingShare(scene, spec, 1e-5), 0.999);
 }
 
 TEST(KernelTest, SmallScenesAgreeWithTheirHierarchy) {
