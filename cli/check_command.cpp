@@ -106,8 +106,7 @@ void PrintLines(const CheckResult& result, Console& console) {
   for (const std::string& line : table.Lines()) console.Result(line);
   for (const std::string& note : result.notes) console.Note(note);
   if (result.background_pixels > 0) {
-    console.Note(absl::StrCat(result.background_pixels, " of ", spec.crop.Pixels(),
-                              " pixels see the background only, so no rays are traced there"));
+    console.Note(BackgroundLine(result.background_pixels, spec.crop.Pixels()));
   }
   for (const std::string& warning : result.warnings) console.Warning(warning);
   console.Result(result.warnings.empty()

@@ -8,6 +8,7 @@
 
 #include "cli/events.h"
 #include "cli/format.h"
+#include "cli/scene_summary.h"
 #include "common/image_file.h"
 
 namespace strata {
@@ -96,6 +97,9 @@ std::vector<std::string> ReportLines(const JobStatus& status,
     absl::StrAppend(&work, ", ", FormatCount(status.samples / status.render_s), " samples/s");
   }
   lines.push_back(work);
+  if (status.background_pixels > 0) {
+    lines.push_back(BackgroundLine(status.background_pixels, status.spec.crop.Pixels()));
+  }
   if (status.rel_error > 0) {
     lines.push_back(absl::StrFormat("99 %% of pixels are within ±%s (95 %% confidence)",
                                     FormatPercent(status.rel_error)));

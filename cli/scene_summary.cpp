@@ -102,6 +102,11 @@ SceneSummary Summarize(const SceneDescription& scene) {
   return summary;
 }
 
+std::string BackgroundLine(int64_t background_pixels, int64_t all_pixels) {
+  return absl::StrCat(background_pixels, " of ", all_pixels,
+                      " pixels see the background only, so no rays are traced there");
+}
+
 std::string UnusedLine(const UnusedParts& unused) {
   std::string line;
   const auto add = [&](uint64_t count, const char* what) {

@@ -21,6 +21,8 @@ struct SceneSummary {
   uint64_t files = 0, file_bytes = 0;
 };
 
+/// "900 of 1600 pixels see the background only, so no rays are traced there"
+std::string BackgroundLine(int64_t background_pixels, int64_t all_pixels);
 /// "2 objects, 1 material, 3 textures (2 images)"
 std::string UnusedLine(const UnusedParts& unused);
 

@@ -50,6 +50,8 @@ struct UnitResult {
   uint64_t lease = 0;
   Partial partial;
   double load_seconds = 0;  ///< Seconds this worker took to load the job's scene; 0: it had it.
+  /// Pixels of the job's crop in which no rays are traced. For display alone.
+  int64_t background_pixels = 0;
 };
 
 /// A unit, or a whole job (scene that does not load), that this worker cannot render.

@@ -51,9 +51,11 @@ struct JobStatus {
   bool target_met = false;        ///< Known when the job is done.
   double target_share = 0;        ///< Of pixels that meet kRelativeError, at the last round's end.
   double submitted_unix_s = 0;
-  double wall_s = 0;                   ///< Since submission, until the end.
-  double load_s = 0;                   ///< Longest time a worker took to load the scene.
-  double render_s = 0;                 ///< From the start of the first unit to the last merge.
+  double wall_s = 0;    ///< Since submission, until the end.
+  double load_s = 0;    ///< Longest time a worker took to load the scene.
+  double render_s = 0;  ///< From the start of the first unit to the last merge.
+  /// Of the crop; in these no rays are traced. 0 until a worker has said so.
+  int64_t background_pixels = 0;
   int workers = 0;                     ///< Workers that hold a lease of this job now.
   std::vector<TileError> worst_tiles;  ///< At most 5, worst first.
   Digest result;  ///< Over counts, means and moments of the film; valid when done.

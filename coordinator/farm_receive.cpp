@@ -105,7 +105,7 @@ bool Farm::State::MergeResult(const std::string& worker, UnitResult result,
   const uint64_t samples = SamplesIn(result.partial);
   const uint64_t rays =
       std::accumulate(result.partial.rays.begin(), result.partial.rays.end(), uint64_t{0});
-  UnitResult summary{result.job, result.lease, {}, result.load_seconds};
+  UnitResult summary{result.job, result.lease, {}, result.load_seconds, result.background_pixels};
   summary.partial.unit = unit;
   summary.partial.replays = std::move(result.partial.replays);
   summary.partial.render_seconds = result.partial.render_seconds;
@@ -164,6 +164,7 @@ void Farm::State::MeasureWorker(JobRecord& job, WorkerRecord& worker, const Unit
                                 uint64_t samples, SteadyTime now) {
   worker.samples += samples;
   job.load_s = std::max(job.load_s, result.load_seconds);
+  job.background_pixels = std::min(result.background_pixels, job.spec.crop.Pixels());
   const std::chrono::duration<double> render(std::max(result.partial.render_seconds, 0.0));
   const SteadyTime began = now - std::chrono::duration_cast<SteadyTime::duration>(render);
   job.render_began =

@@ -110,6 +110,7 @@ struct JobRecord {
   SteadyTime submitted;
   std::optional<SteadyTime> first_lease, render_began, last_merge, ended;
   double load_s = 0;
+  int64_t background_pixels = 0;  ///< See JobStatus.
   RateMeter rate;
   uint64_t replays_logged = 0;
   Digest result;

@@ -90,6 +90,7 @@ JobStatus Farm::State::StatusOf(const JobRecord& job) const {
   status.submitted_unix_s = job.submitted_unix_s;
   status.wall_s = SecondsBetween(job.submitted, job.ended.value_or(latest));
   status.load_s = job.load_s;
+  status.background_pixels = job.background_pixels;
   if (job.render_began && job.last_merge) {
     status.render_s = std::max(SecondsBetween(*job.render_began, *job.last_merge), 0.0);
   }

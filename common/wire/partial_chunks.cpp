@@ -74,6 +74,7 @@ void PartialChunker::Next(v1::PartialChunk* chunk) {
     header->set_replicates(kReplicates);
     header->set_render_seconds(partial.render_seconds);
     header->set_load_seconds(result_.load_seconds);
+    header->set_background_pixels(result_.background_pixels);
     for (size_t i = 0; i < std::min(partial.replays.size(), kMaxReplays); ++i) {
       if (partial.replays[i].size() <= kMaxCommandBytes) header->add_replays(partial.replays[i]);
     }
@@ -130,8 +131,12 @@ absl::Status PartialAssembler::Begin(const v1::PartialHeader& header) {
       return FieldError("partial.header.render_seconds", "must be finite and not negative");
     }
   }
+  if (header.background_pixels() < 0) {
+    return FieldError("partial.header.background_pixels", "must not be negative");
+  }
   const v1::UnitId& unit = header.unit();
-  result_ = UnitResult{header.job(), header.lease(), {}, header.load_seconds()};
+  result_ = UnitResult{
+      header.job(), header.lease(), {}, header.load_seconds(), header.background_pixels()};
   result_.partial.unit = {unit.round(), unit.tile(), unit.piece()};
   result_.partial.pixels = rect;
   result_.partial.layout = layout;

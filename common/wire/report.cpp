@@ -43,6 +43,7 @@ void ToWire(const JobStatus& status, v1::JobStatus* message, bool with_files) {
   message->set_wall_s(status.wall_s);
   message->set_load_s(status.load_s);
   message->set_render_s(status.render_s);
+  message->set_background_pixels(status.background_pixels);
   message->set_workers(status.workers);
   for (const TileError& tile : status.worst_tiles) {
     v1::TileError* out = message->add_worst_tiles();
@@ -84,6 +85,7 @@ absl::StatusOr<JobStatus> FromWire(const v1::JobStatus& message) {
   status.wall_s = message.wall_s();
   status.load_s = message.load_s();
   status.render_s = message.render_s();
+  status.background_pixels = message.background_pixels();
   status.workers = message.workers();
   for (const v1::TileError& tile : message.worst_tiles()) {
     status.worst_tiles.push_back({FromWire(tile.pixels()), tile.rel_error()});

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "cli/scene_summary.h"
 #include "common/image_file.h"
 #include "tests/cli/run_command.h"
 #include "tests/cli/scene_folder.h"
@@ -60,7 +61,13 @@ Shape "sphere"
   // The ball takes a third of the width.
   EXPECT_GT(json::parse(check.out)["background_pixels"], 40 * 40 / 2);
   EXPECT_LT(json::parse(check.out)["background_pixels"], 40 * 40 * 8 / 9);
-  EXPECT_NE(RunInProcess({"check", scene}).err.find("see the background only"), std::string::npos);
+  const std::string line =
+      BackgroundLine(json::parse(check.out)["background_pixels"].get<int64_t>(), 40 * 40);
+  EXPECT_NE(RunInProcess({"check", scene}).err.find(line), std::string::npos);
+  // The report of a job has it from a worker.
+  const CommandResult render =
+      RunStrata({"render", scene, "--spp", "8", "-o", folder.Path("ball.exr")});
+  EXPECT_NE(render.out.find(line), std::string::npos) << render.out << render.err;
 }
 
 TEST(Check, WhatIsNotSupportedIsAWarningWithItsPlace) {

@@ -93,6 +93,28 @@ TEST(Conventions, UvsOfTriangles) {
   EXPECT_EQ(degenerate.dpdu, Vec3f{});
 }
 
+TEST(Conventions, UvsMayStandAtAnyOffset) {
+  // Three second uvs stand four places behind those of four vertices without any: the offset
+  // between them would be that of a mesh without second uvs.
+  TriangleMeshShape bare, mapped;
+  bare.positions = {{-1, -1, 5}, {1, -1, 5}, {1, 1, 5}, {-1, 1, 5}};
+  bare.triangles = {{0, 1, 2}, {0, 2, 3}};
+  mapped.positions = {{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}};
+  mapped.triangles = {{0, 1, 2}};
+  mapped.uvs.assign(3, {0.25f, 0.5f});
+  mapped.second_uvs.assign(3, {0.75f, 1});
+  SceneDescription scene = EmptyScene();
+  scene.shapes = {Shape(bare), Shape(mapped)};
+  const auto geometry = Geometry::Build(scene);
+  ASSERT_TRUE(geometry.ok()) << geometry.status();
+  const Ray ray = {{0, 0, -1}, {0, 0, 1}};
+  Hit hit;
+  ASSERT_TRUE((*geometry)->Intersect(ray, &hit));
+  const SurfacePoint point = (*geometry)->Surface(ray, hit);
+  EXPECT_EQ(point.uv, (Vec2f{0.25f, 0.5f}));
+  EXPECT_EQ(point.second_uv, (Vec2f{0.75f, 1}));
+}
+
 TEST(Conventions, QuadricsFaceOutwardsAndAreParametrizedAsInPbrt) {
   const auto sphere = MustBuild(Shape(SphereShape{2, -2, 2, 360}));
   const Ray to_y = {{0, 5, 0}, {0, -1, 0}};

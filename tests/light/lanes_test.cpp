@@ -1,7 +1,6 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <cmath>
 
 #include "tests/light/lamps.h"
 #include "tests/statistics/random.h"

@@ -9,7 +9,6 @@
 #include "tests/statistics/density_checks.h"
 #include "tests/statistics/random.h"
 #include "worker/light/light_set.h"
-#include "worker/math/elementary.h"
 
 // LightSet::Select chooses each light as often as Probability says, and none that cannot be seen.
 // A probability is looked up rather than integrated: its error of shape is that every other light

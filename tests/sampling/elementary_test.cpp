@@ -181,7 +181,8 @@ TEST(ElementaryLanes, HaveTheBitsOfEach) {
   for (const float x : Grid(-200.0f, 200.0f)) points.push_back(x);
   for (const float x : {0.0f, -0.0f, 1.5f, -1.5f, 1e-40f, static_cast<float>(kInfinity)})
     points.push_back(x);
-  points.push_back(std::numeric_limits<float>::quiet_NaN());
+  do points.push_back(std::numeric_limits<float>::quiet_NaN());
+  while (points.size() % kLanes != 0);
   const auto bits = [](float x) { return std::bit_cast<uint32_t>(x); };
   for (size_t i = 0; i + kLanes <= points.size(); i += kLanes) {
     FloatLanes x;

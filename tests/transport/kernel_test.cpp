@@ -182,12 +182,36 @@ TEST(KernelTest, TheSmallestKernelGivesTheBitsOfAnyOther) {
 
 TEST(KernelTest, VarnishedSurfacesAgree) {
   const auto scene = BuildScene(VarnishedRoom());
-  ASSERT_TRUE(scene->materials().has_base_images());
+  ASSERT_TRUE(scene->materials().has_base_textures());
   ASSERT_TRUE(scene->mirror_images().empty());
   JobSpec spec = TestSpec(48, 64, 12);
   EXPECT_GE(AgreeingShare(scene, spec, 1e-5), 0.999);
   spec.channels.albedo = spec.channels.normal = true;
   EXPECT_GE(AgreeingShare(scene, spec, 1e-5), 0.999);
+}
+
+TEST(KernelTest, BothCountReflectancesThatAreNoNumbers) {
+  TestScene scene = Room(false);
+  const auto add = [&](const TextureDescription& texture) {
+    scene.description.textures.push_back(texture);
+    return static_cast<TextureId>(scene.description.textures.size()) - 1;
+  };
+  // Half of the cells are infinite; twice that less that is no number.
+  const TextureId cells = add(CheckerboardTexture{.a = scene.Texture(Rgb::Gray(0.5f)),
+                                                  .b = scene.Texture(Rgb::Gray(3e38f)),
+                                                  .mapping = {4, 4}});
+  const TextureId infinite = add(ScaleTexture{cells, scene.Texture(Rgb::Gray(100))});
+  const TextureId none = add(MixTexture{infinite, infinite, scene.Texture(Rgb::Gray(2))});
+  scene.description.shapes[0].material = scene.Material(DiffuseMaterial{none});
+  const auto built = BuildScene(scene);
+  const JobSpec spec = TestSpec(16, 8, 3);
+  const auto defects = [&](KernelKind kernel) {
+    uint64_t sum = 0;
+    for (const uint32_t n : RenderBy(built, spec, kernel, {0, 1}).nonfinite) sum += n;
+    return sum;
+  };
+  EXPECT_GT(defects(KernelKind::kFast), 0u);
+  EXPECT_EQ(defects(KernelKind::kFast), defects(KernelKind::kReference));
 }
 
 TEST(KernelTest, SmallScenesAgreeWithTheirHierarchy) {

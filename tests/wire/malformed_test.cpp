@@ -157,6 +157,7 @@ TEST(Malformed, Partials) {
        }},
       {"partial.header.render_seconds", [&](auto& m) { header(m)->set_render_seconds(-1); }},
       {"partial.header.render_seconds", [&](auto& m) { header(m)->set_load_seconds(infinity); }},
+      {"partial.header.background_pixels", [&](auto& m) { header(m)->set_background_pixels(-1); }},
       {"partial.first_pixel", [](auto& m) { m.mutable_partial()->set_first_pixel(1); }},
       {"partial.pixel_count", [](auto& m) { m.mutable_partial()->set_pixel_count(0); }},
       {"partial.pixel_count", [](auto& m) { m.mutable_partial()->set_pixel_count(7); }},

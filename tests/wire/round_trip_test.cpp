@@ -195,6 +195,7 @@ void ExpectEqual(const UnitResult& a, const UnitResult& b) {
   EXPECT_EQ(a.job, b.job);
   EXPECT_EQ(a.lease, b.lease);
   EXPECT_EQ(a.load_seconds, b.load_seconds);
+  EXPECT_EQ(a.background_pixels, b.background_pixels);
   EXPECT_EQ(a.partial.unit, b.partial.unit);
   EXPECT_EQ(a.partial.pixels, b.partial.pixels);
   EXPECT_EQ(a.partial.layout, b.partial.layout);

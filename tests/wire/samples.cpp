@@ -58,6 +58,7 @@ JobStatus SampleStatus() {
   status.wall_s = 10;
   status.load_s = 1;
   status.render_s = 9;
+  status.background_pixels = 123;
   status.workers = 4;
   status.worst_tiles = {{{16, 32, 48, 64}, 0.7}, {{48, 32, 80, 64}, 0.5}};
   status.result = DigestOf("film");
@@ -86,6 +87,7 @@ UnitResult SampleResult(int width, int height, bool varied) {
   }
   partial.replays = {"strata replay scene.pbrt --pixel 1,2", "strata replay b"};
   partial.render_seconds = 0.125;
+  result.background_pixels = 77;
   return result;
 }
 

@@ -29,9 +29,9 @@ class AlbedoTable {
     return Lerp(At(a, c.index), At(a, c.index + 1), c.fraction);
   }
 
-  /// The function of one alpha at the squares of equal steps of the cosine's root, 0 to 1.
   static constexpr int kCosines = 33;
   using Row = std::array<float, kCosines>;
+  /// The function of one alpha at the squares of equal steps of the cosine's root, 0 to 1.
   Row RowAt(float alpha) const {
     const Cell a = FindCell(alpha, kAlphas);
     Row row;

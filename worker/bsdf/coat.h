@@ -66,7 +66,8 @@ inline CoatDirection EnterCoat(const Coat& coat, float cos_theta) {
 inline Rgb CoatTransmittance(Rgb depth, float length) {
   if (IsBlack(depth)) return Rgb::Gray(1);
   if (depth.r == depth.g && depth.g == depth.b) return Rgb::Gray(Exp(-depth.r * length));
-  return {Exp(-depth.r * length), Exp(-depth.g * length), Exp(-depth.b * length)};
+  const auto through = [length](float d) { return d == 0 ? 1 : Exp(-d * length); };
+  return {through(depth.r), through(depth.g), through(depth.b)};
 }
 
 /// Of the light that enters a smooth coat from a cosine, over a metal of roughness alpha that

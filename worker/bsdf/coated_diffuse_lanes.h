@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+
 #include "worker/bsdf/base_row.h"
 #include "worker/math/elementary_lanes.h"
 #include "worker/sampling/warp_lanes.h"

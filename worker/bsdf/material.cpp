@@ -254,7 +254,7 @@ absl::StatusOr<std::unique_ptr<MaterialSet>> MaterialSet::Build(
   STRATA_RETURN_IF_ERROR(set->SetDetails(details));
   for (MaterialId id = 0; id < count; ++id) {
     set->base_rows_.push_back(set->BaseRowOf(id));
-    if (set->base_rows_.back().flags & BaseRow::kImage) set->has_base_images_ = true;
+    if (set->base_rows_.back().flags & BaseRow::kTexture) set->has_base_textures_ = true;
   }
   return set;
 }
@@ -271,7 +271,7 @@ BaseRow MaterialSet::BaseRowOf(MaterialId id) const {
   if (textures_.IsConstant(reflectance)) {
     row.reflectance = Clamp01(textures_.Eval(reflectance, {}, {}));
   } else {
-    row.flags |= BaseRow::kImage;
+    row.flags |= BaseRow::kTexture;
     row.texture = reflectance;
   }
   if (diffuse) return row;

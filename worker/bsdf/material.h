@@ -41,8 +41,8 @@ class MaterialSet {
   }
   /// One for each material.
   const std::vector<BaseRow>& base_rows() const { return base_rows_; }
-  /// Whether any of them asks for an image.
-  bool has_base_images() const { return has_base_images_; }
+  /// Whether the reflectance of any of them varies.
+  bool has_base_textures() const { return has_base_textures_; }
   /// Whether it looks the same however it is turned about the shape's own shading normal, so that
   /// any tangent will do.
   bool HasPlainFrame(MaterialId id) const { return entries_[id].plain_frame; }
@@ -82,7 +82,7 @@ class MaterialSet {
   std::vector<MaterialDescription> materials_;
   std::vector<Entry> entries_;
   std::vector<BaseRow> base_rows_;
-  bool has_base_images_ = false;
+  bool has_base_textures_ = false;
   std::map<float, CoatInterface> coats_;        ///< By index of refraction.
   std::map<float, AlbedoTable> trapped_light_;  ///< Of coats over metals, likewise.
   std::unique_ptr<SchlickAlbedo> schlick_;      ///< If a material needs it.

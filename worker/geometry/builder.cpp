@@ -176,6 +176,13 @@ absl::Status ShapeBuilder::AddMesh(const ShapeDescription& shape, const Triangle
   TriangleSet::Shape entry;
   entry.material = shape.material;
   entry.first_triangle = static_cast<uint32_t>(set->triangles.size());
+  // An offset that would be kNone is another's: a value of no vertex is put before.
+  const auto is_none = [base](size_t begin) {
+    return static_cast<uint32_t>(begin - base) == TriangleSet::Shape::kNone;
+  };
+  if (is_none(set->normals.size())) set->normals.emplace_back();
+  while (is_none(set->uvs.size()) || is_none(set->uvs.size() + mesh.uvs.size()))
+    set->uvs.emplace_back();
   if (!vertices.normals.empty())
     entry.normal_offset = static_cast<uint32_t>(set->normals.size() - base);
   if (!mesh.uvs.empty()) entry.uv_offset = static_cast<uint32_t>(set->uvs.size() - base);

@@ -358,6 +358,7 @@ Rgb TextureSet::Eval(TextureId id, SurfaceUv uv, Vec3f p) const { return state_-
 
 TextureSet::BegunLookUp TextureSet::Begin(TextureId id, Vec2f uv, Vec3f p) const {
   BegunLookUp look_up = {.id = id, .uv = uv, .p = p};
+  if (id == kNoTexture) return look_up;
   const auto* node = std::get_if<ImageNode>(&state_->nodes[id]);
   if (!node || node->nearest) return look_up;
   const ImageTexels& texels = state_->images[node->texels];

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/unit.h"
+#include "worker/bsdf/base_lanes.h"
 #include "worker/bsdf/coated_diffuse_lanes.h"
 #include "worker/geometry/geometry_lanes.h"
 #include "worker/integrator/path.h"
@@ -13,9 +14,10 @@
 namespace strata {
 
 /// The fast kernel: eight paths side by side, a path in each lane. When one ends, its
-/// lane begins the next. What most vertices have in common (rays, triangles, Lambert's reflection,
-/// flat lights, random numbers) is done for all lanes at once, the rest lane by lane with the code
-/// of PathTracer, of which this is another form: the same estimator from the same random numbers.
+/// lane begins the next. What most vertices have in common (rays, triangles, Lambert's reflection
+/// and coats over it, lights, random numbers) is done for all lanes at once, the rest lane by lane
+/// with the code of PathTracer, of which this is another form: the same estimator from the same
+/// random numbers.
 ///
 /// kHas are Features: a superset of the scene's.
 template <typename Sampler, uint32_t kHas>
@@ -74,9 +76,11 @@ class PathLanes {
   bool HasEnvironments() const {
     return (kHas & kEnvironments) && !scene_.lights().environments().empty();
   }
-  bool HasBaseImages() const {
-    return (kHas & kOtherMaterials) && scene_.materials().has_base_images();
+  bool HasBaseTextures() const {
+    return (kHas & kOtherMaterials) && scene_.materials().has_base_textures();
   }
+  /// Whether coats are looked for: guides ask for the BSDF itself.
+  bool HasCoats() const { return (kHas & kOtherMaterials) && !HasMirrorImages(); }
   bool HasMirrorImages() const { return (kHas & kMirrorImages) && !scene_.mirror_images().empty(); }
   bool ChoosesLights() const {
     return (kHas & kManyLights) && scene_.lights().SelectNeedsLowBits();
@@ -122,7 +126,7 @@ class PathLanes {
     const MaskLanes found = Intersect(scene_.geometry(), ray_, alive, &hits);
     if (HasEnvironments()) ForEachLane(alive & ~found, [&](int lane) { AddEnvironment(lane); });
     if (!Any(found)) return alive;
-    FindSurfaces(scene_.geometry(), ray_, hits, found, HasBaseImages(), &surface_);
+    FindSurfaces(scene_.geometry(), ray_, hits, found, HasBaseTextures(), &surface_);
     ForEachLane(found & (surface_.light >= 0), [&](int lane) { AddEmission(lane, hits); });
     const MaskLanes last = depth_ == settings_.max_depth;
     MaskLanes going = found & ~(last & (depth_ > 0));
@@ -174,41 +178,15 @@ class PathLanes {
     AddRadiance(lane, radiance, weight);
   }
 
-  /// Which lanes have a base, and its reflectance.
-  void FindBases(MaskLanes mask) {
-    const float* rows = &scene_.materials().base_rows().front().reflectance.r;
-    const RowLanes row = GatherRows(rows, surface_.material * kBaseRow, mask);
-    reflectance_ = {row.v[0], row.v[1], row.v[2]};
-    if constexpr ((kHas & kOtherMaterials) == 0) {
-      lambertian_ = mask;
-      return;
-    }
-    const IntLanes flags = reinterpret_cast<IntLanes>(row.v[3]);
-    const MaskLanes coat = (flags & BaseRow::kCoat) != 0;
-    MaskLanes base = mask & ((flags & BaseRow::kBase) != 0);
-    // Guides ask for the BSDF itself.
-    if (HasMirrorImages()) base &= ~coat;
-    lambertian_ = base & ~coat;
-    coated_ = base & coat;
-    if (!HasBaseImages()) return;
-    const MaskLanes image = base & ((flags & BaseRow::kImage) != 0);
-    std::array<TextureSet::BegunLookUp, kLanes> look_ups;
-    ForEachLane(image, [&](int lane) {
-      const TextureId id = scene_.materials().base_rows()[surface_.material[lane]].texture;
-      look_ups[lane] = scene_.textures().Begin(id, {surface_.uv.x[lane], surface_.uv.y[lane]},
-                                               surface_.p.Get(lane));
-    });
-    ForEachLane(
-        image, [&](int lane) { reflectance_.Set(lane, scene_.textures().Finish(look_ups[lane])); });
-    const auto clamp = [](FloatLanes v) { return Min(Max(v, FloatLanes{}), SameFloat(1)); };
-    reflectance_ = {clamp(reflectance_.r), clamp(reflectance_.g), clamp(reflectance_.b)};
-  }
-
   void MakeBsdfs(const HitLanes& hits, MaskLanes mask) {
     const Vec3Lanes wo = -ray_.direction;
     const MaskLanes seen = Dot(surface_.ns, wo) * Dot(surface_.ng, wo) > 0;
     frame_ = FrameLanes::FromNormal(Select(seen, surface_.ns, surface_.ng));
-    FindBases(mask);
+    const BaseLanes bases = FindBases(scene_.materials(), scene_.textures(), surface_, mask,
+                                      {.coats = HasCoats(), .textures = HasBaseTextures()});
+    reflectance_ = bases.reflectance;
+    lambertian_ = bases.bare;
+    coated_ = bases.coated;
     receiver_.one_sided = mask;
     ForEachLane(OtherMaterials(mask), [&](int lane) {
       const Bsdf& bsdf = BsdfOf(lane, hits, wo.Get(lane));
@@ -400,8 +378,6 @@ class PathLanes {
     beta_ = Select(plays, beta_ * (1 / survival), beta_);
     return mask & (~plays | survives);
   }
-
-  static constexpr int32_t kBaseRow = sizeof(BaseRow) / sizeof(float);
 
   const Scene& scene_;
   const PathSettings settings_;

@@ -7,6 +7,7 @@
 #include "worker/light/light.h"
 #include "worker/light/light_lanes.h"
 #include "worker/math/lanes.h"
+#include "worker/sampling/spherical_rectangle.h"
 #include "worker/sampling/warp_lanes.h"
 
 namespace strata {

@@ -5,7 +5,8 @@
 #include "worker/math/elementary.h"
 #include "worker/math/lanes.h"
 
-// What the float functions of elementary.h do for one value, for eight: the same bits.
+// What the float functions of elementary.h do for one value, for eight: the same bits wherever
+// those state a bound.
 
 namespace strata {
 

@@ -34,8 +34,9 @@ void ForEachLane(MaskLanes mask, F f) {
 
 inline FloatLanes Sqrt(FloatLanes v) { return _mm256_sqrt_ps(v); }
 inline FloatLanes Floor(FloatLanes v) { return _mm256_floor_ps(v); }
-inline FloatLanes Max(FloatLanes a, FloatLanes b) { return a > b ? a : b; }
-inline FloatLanes Min(FloatLanes a, FloatLanes b) { return a < b ? a : b; }
+// As std::max and std::min: the first where one is NaN.
+inline FloatLanes Max(FloatLanes a, FloatLanes b) { return _mm256_max_ps(b, a); }
+inline FloatLanes Min(FloatLanes a, FloatLanes b) { return _mm256_min_ps(b, a); }
 inline FloatLanes Abs(FloatLanes v) {
   return reinterpret_cast<FloatLanes>(reinterpret_cast<IntLanes>(v) & 0x7fffffff);
 }

@@ -1,8 +1,5 @@
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-
 #include "worker/math/elementary_lanes.h"
 
 namespace strata {

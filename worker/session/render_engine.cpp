@@ -20,6 +20,7 @@ class PathTracer final : public UnitRenderer {
   absl::StatusOr<Partial> Render(const WorkUnit& unit, const std::atomic<bool>& cancel) override {
     return renderer_->Render(unit, *pool_, &cancel);
   }
+  int64_t BackgroundPixels() const override { return renderer_->BackgroundPixels(); }
 
  private:
   std::unique_ptr<Renderer> renderer_;

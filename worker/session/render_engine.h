@@ -23,6 +23,8 @@ class UnitRenderer {
   virtual ~UnitRenderer() = default;
   /// A pure function of scene, spec and unit. CANCELLED soon after `cancel` becomes true.
   virtual absl::StatusOr<Partial> Render(const WorkUnit& unit, const std::atomic<bool>& cancel) = 0;
+  /// Pixels of the job's crop in which no rays are traced, since they see the background only.
+  virtual int64_t BackgroundPixels() const { return 0; }
 };
 
 /// What a session renders with: the real renderer, or a small one in tests. A session calls Load

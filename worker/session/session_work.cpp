@@ -193,7 +193,8 @@ void WorkerSession::RenderLease(Job& job, const Lease& lease, const Current& cur
     if (current.cancelled) return;
     absl::StatusOr<Partial> partial = renderer->Render(unit, current.cancelled);
     if (partial.ok()) {
-      SayResult(job, {lease.job, lease.lease, *std::move(partial), load_seconds});
+      SayResult(job, {lease.job, lease.lease, *std::move(partial), load_seconds,
+                      renderer->BackgroundPixels()});
     } else if (!current.cancelled) {
       Say(UnitFailure{lease.job, lease.lease, unit.id, std::string(partial.status().message()),
                       ReplayOf(job.description.spec, unit), false});
