@@ -49,7 +49,7 @@ class View {
 
   Vec3f FromWorld(Vec3f w) const {
     const Vec3f local = frame_.ToLocal(w);
-    return Normalize({local.x, local.y / squeeze_, local.z});
+    return Normalize(Vec3f{local.x, local.y / squeeze_, local.z});
   }
   /// The density of what FromWorld makes of directions of density `pdf`.
   float Pdf(const Density& pdf, Vec3f v) const {

@@ -22,17 +22,17 @@ TEST(CameraTest, CenterLooksForwardAndTheShorterEdgeSpansTheFieldOfView) {
   ExpectNear(camera.GenerateRay({100, 50}, {}).direction, {1, 0, 0});
   ExpectNear(camera.GenerateRay({100, 50}, {}).origin, {1, 2, 3});
   const float half = std::tan(std::numbers::pi_v<float> / 6);
-  ExpectNear(camera.GenerateRay({100, 0}, {}).direction, Normalize({1, half, 0}));
-  ExpectNear(camera.GenerateRay({100, 100}, {}).direction, Normalize({1, -half, 0}));
-  ExpectNear(camera.GenerateRay({200, 50}, {}).direction, Normalize({1, 0, -2 * half}));
+  ExpectNear(camera.GenerateRay({100, 0}, {}).direction, Normalize(Vec3f{1, half, 0}));
+  ExpectNear(camera.GenerateRay({100, 100}, {}).direction, Normalize(Vec3f{1, -half, 0}));
+  ExpectNear(camera.GenerateRay({200, 50}, {}).direction, Normalize(Vec3f{1, 0, -2 * half}));
   ExpectNear(camera.forward(), {1, 0, 0});
 }
 
 TEST(CameraTest, TallFramesSpanTheFieldOfViewAcross) {
   const Camera camera = *Camera::Create(At({0, 0, 0}, {0, 0, 1}), 100, 200);
   const float half = std::tan(std::numbers::pi_v<float> / 6);
-  ExpectNear(camera.GenerateRay({100, 100}, {}).direction, Normalize({half, 0, 1}));
-  ExpectNear(camera.GenerateRay({50, 0}, {}).direction, Normalize({0, 2 * half, 1}));
+  ExpectNear(camera.GenerateRay({100, 100}, {}).direction, Normalize(Vec3f{half, 0, 1}));
+  ExpectNear(camera.GenerateRay({50, 0}, {}).direction, Normalize(Vec3f{0, 2 * half, 1}));
 }
 
 TEST(CameraTest, ScreenWindowAndAspectCanBeGiven) {
@@ -40,12 +40,12 @@ TEST(CameraTest, ScreenWindowAndAspectCanBeGiven) {
   description.fov = 90;
   description.screen_window = {{-0.5f, 1, -0.25f, 0.75f}};
   const Camera window = *Camera::Create(description, 64, 64);
-  ExpectNear(window.GenerateRay({0, 0}, {}).direction, Normalize({-0.5f, 0.75f, 1}));
-  ExpectNear(window.GenerateRay({64, 64}, {}).direction, Normalize({1, -0.25f, 1}));
+  ExpectNear(window.GenerateRay({0, 0}, {}).direction, Normalize(Vec3f{-0.5f, 0.75f, 1}));
+  ExpectNear(window.GenerateRay({64, 64}, {}).direction, Normalize(Vec3f{1, -0.25f, 1}));
   description.screen_window.reset();
   description.frame_aspect = 2;
   const Camera aspect = *Camera::Create(description, 64, 64);
-  ExpectNear(aspect.GenerateRay({64, 32}, {}).direction, Normalize({2, 0, 1}));
+  ExpectNear(aspect.GenerateRay({64, 32}, {}).direction, Normalize(Vec3f{2, 0, 1}));
 }
 
 TEST(CameraTest, LensBlursByItsCircleOfConfusion) {

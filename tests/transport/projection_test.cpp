@@ -49,7 +49,7 @@ TEST(SphericalCamera, EquirectangularColumnsAreLongitudesAndRowsColatitudes) {
   ExpectNear(toward(200, 100), {-1, 0, 0});
   ExpectNear(toward(123, 0), {0, 1, 0});
   ExpectNear(toward(123, 200), {0, -1, 0});
-  ExpectNear(toward(100, 50), Normalize({0, 1, 1}));
+  ExpectNear(toward(100, 50), Normalize(Vec3f{0, 1, 1}));
   EXPECT_FLOAT_EQ(camera.Depth({3, 0, -4}), 5);
 }
 
