@@ -58,12 +58,12 @@ struct LightGroup : LightGroupOf<Floats4> {
 
 namespace light_group_detail {
 
+using strata::Max;
+using strata::Min;
+using strata::Sqrt;
 inline Floats4 Sqrt(Floats4 v) { return _mm_sqrt_ps(v); }
-inline FloatLanes Sqrt(FloatLanes v) { return _mm256_sqrt_ps(v); }
-inline Floats4 Max(Floats4 a, Floats4 b) { return _mm_max_ps(a, b); }
-inline FloatLanes Max(FloatLanes a, FloatLanes b) { return _mm256_max_ps(a, b); }
-inline Floats4 Min(Floats4 a, Floats4 b) { return _mm_min_ps(a, b); }
-inline FloatLanes Min(FloatLanes a, FloatLanes b) { return _mm256_min_ps(a, b); }
+inline Floats4 Max(Floats4 a, Floats4 b) { return _mm_max_ps(b, a); }
+inline Floats4 Min(Floats4 a, Floats4 b) { return _mm_min_ps(b, a); }
 template <typename Floats>
 Floats Abs(Floats v) {
   return Max(v, -v);
