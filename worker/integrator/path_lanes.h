@@ -313,7 +313,8 @@ class PathLanes {
   /// Chooses the next directions; returns the lanes that have one.
   MaskLanes Scatter(MaskLanes mask) {
     const Vec2Lanes u = Get2D(kPairBsdf, mask);
-    Vec3Lanes wi = SampleCosineHemisphere(u);
+    const Vec3Lanes cosine_wi = SampleCosineHemisphere(u);
+    Vec3Lanes wi = cosine_wi;
     RgbLanes weight = reflectance_;
     specular_ = MaskLanes{};
     bsdf_pdf_ = Max(FloatLanes{}, wi.z) * kInvPi;
@@ -324,7 +325,7 @@ class PathLanes {
     FloatLanes u_lobe = {};
     if (Any(others | coated)) u_lobe = Get2D(kPairLobe, others | coated).x;
     if (Any(coated)) {
-      const BsdfSampleLanes sample = coat_.Sample(u_lobe, u, SampleCosineHemisphere(u));
+      const BsdfSampleLanes sample = coat_.Sample(u_lobe, u, cosine_wi);
       wi = Select(coated, sample.wi, wi);
       weight = Select(coated, sample.weight, weight);
       specular_ = coated & sample.delta;
