@@ -69,7 +69,7 @@ TEST(Gltf, AnImageAndACameraOfTheCommandLineReachTheWorkers) {
   folder.Write("models/ball.pbrt",
                "Camera \"perspective\"\nWorldBegin\nShape \"disk\"\n"
                "LightSource \"infinite\" \"rgb L\" [9 9 9]\n");
-  for (const std::string scene :
+  for (const std::string& scene :
        {Triangle(folder, "scene.gltf"), folder.Path("models/ball.pbrt")}) {
     std::vector<std::string> words = {"render", scene, "-o", folder.Path("out.exr")};
     words.insert(words.end(), options.begin(), options.end());

@@ -14,15 +14,13 @@
 
 namespace strata {
 
-using Floats4 __attribute__((vector_size(16))) = float;
-
 /// Squares of distances are kept within float's range, and all weights above 0.
 inline constexpr float kLeastDistance2 = 1e-36f, kMostDistance2 = 1e36f, kLeastWeight = 1e-37f;
 
 template <typename Floats>
 struct LightGroupOf {
-  Floats x = {}, y = {}, z = {};  ///< Centres.
-  Floats radius2 = {};            ///< Of spheres around what is there.
+  Floats x = {}, y = {}, z = {};            ///< Centres.
+  Floats radius = {}, inverse_radius = {};  ///< Of spheres around what is there.
   Floats axis_x = {}, axis_y = {}, axis_z = {};
   Floats cos_spread = {}, sin_spread = {};
   Floats least_facing = {};  ///< Cosine off the cone below which all is dark; or kTwoSided.
@@ -43,8 +41,9 @@ struct LightGroup : LightGroupOf<Floats4> {
     y[place] = center.y;
     z[place] = center.z;
     // A little more, for the roundings.
-    radius2[place] =
-        std::min(1.001f * LengthSquared((bounds.max - bounds.min) * 0.5f), kMostDistance2);
+    radius[place] = std::sqrt(
+        std::min(1.001f * LengthSquared((bounds.max - bounds.min) * 0.5f), kMostDistance2));
+    inverse_radius[place] = 1 / radius[place];
     axis_x[place] = bounds.axis.x;
     axis_y[place] = bounds.axis.y;
     axis_z[place] = bounds.axis.z;
@@ -68,27 +67,17 @@ template <typename Floats>
 Floats Abs(Floats v) {
   return Max(v, -v);
 }
+/// How much of a Lambertian's cosine there is on average where cosines are those within `sine` of
+/// `cosine`, which is the size of what is looked at; 0 where all are below `least`.
+/// `inverse_sine` is 1 / sine.
 template <typename Floats>
-Floats SinOf(Floats cosine) {
-  return Sqrt(Max(Floats{}, 1 - cosine * cosine));
-}
-
-/// An angle between 0 and a half turn.
-template <typename Floats>
-struct Angle {
-  Floats sin, cos;
-};
-/// max(0, a - b).
-template <typename Floats>
-Angle<Floats> SubClamped(Angle<Floats> a, Angle<Floats> b) {
-  const auto none = a.cos > b.cos;
-  return {none ? Floats{} : a.sin * b.cos - a.cos * b.sin,
-          none ? Floats{} + 1 : a.cos * b.cos + a.sin * b.sin};
-}
-
-template <typename Floats>
-Floats Facing(Floats cosine, Floats least) {
-  return cosine < least ? Floats{} : Max(cosine, Floats{} + LightGroup::kSlack);
+Floats Facing(Floats cosine, Floats sine, Floats inverse_sine, Floats least) {
+  // At least cos(max(0, acos(cosine) - asin(sine))), the largest that there is.
+  const Floats largest = cosine + sine * (1 + Max(Floats{}, -cosine) * sine);
+  const Floats above = cosine + sine;
+  // By Min even where `sine` is 0 and its inverse is not finite.
+  const Floats mean = cosine < sine ? Min(sine, 0.25f * above * above * inverse_sine) : cosine;
+  return largest < least ? Floats{} : Max(mean, Floats{} + LightGroup::kSlack);
 }
 
 /// Points of LightReceivers, each beside the lights it is weighed for.
@@ -98,29 +87,37 @@ struct Points {
   Floats one_sided;  ///< Below 0 where they are.
 };
 
+/// has_cones: whether any spread is more than 0.
 template <typename Floats>
-Floats Importance(const LightGroupOf<Floats>& group, const Points<Floats>& point) {
+[[gnu::always_inline]] inline Floats Importance(const LightGroupOf<Floats>& group,
+                                                const Points<Floats>& point,
+                                                bool has_cones = true) {
   const auto all = [](float v) { return Floats{} + v; };
   const Floats x = point.x - group.x, y = point.y - group.y, z = point.z - group.z;
   const Floats distance2 =
       Min(Max(x * x + y * y + z * z, all(kLeastDistance2)), all(kMostDistance2));
-  const Floats inverse2 = 1 / Max(distance2, group.radius2), inverse = Sqrt(1 / distance2);
-  const Floats sin_size2 = group.radius2 * inverse2;  // 1 within the sphere.
-  const Angle<Floats> size = {Sqrt(sin_size2), Sqrt(Max(Floats{}, 1 - sin_size2))};
+  const Floats outside_inverse2 = 1 / distance2, inverse = Sqrt(outside_inverse2);
+  const Floats inverse2 = Min(outside_inverse2, group.inverse_radius * group.inverse_radius);
+  const Floats sine = group.radius * inverse;  // Above 1 within the sphere.
+  const Floats inverse_sine = group.inverse_radius * (distance2 * inverse);
 
   Floats cosine = (group.axis_x * x + group.axis_y * y + group.axis_z * z) * inverse;
   cosine = group.least_facing > LightGroup::kTwoSided ? cosine : Abs(cosine);
-  const Angle<Floats> off_axis =
-      SubClamped<Floats>({SinOf(cosine), cosine}, {group.sin_spread, group.cos_spread});
-  const Floats facing = Facing(SubClamped(off_axis, size).cos, group.least_facing);
+  Floats off_cone = cosine;
+  if (has_cones) {
+    const Floats sine_off_axis = Sqrt(Max(Floats{}, 1 - cosine * cosine));
+    off_cone = cosine > group.cos_spread
+                   ? all(1)
+                   : cosine * group.cos_spread + sine_off_axis * group.sin_spread;
+  }
+  const Floats facing = Facing(off_cone, sine, inverse_sine, group.least_facing);
 
   Floats incident = -(point.n_x * x + point.n_y * y + point.n_z * z) * inverse;
   incident = point.one_sided < 0 ? incident : Abs(incident);
-  const Floats lit =
-      Facing(SubClamped<Floats>({SinOf(incident), incident}, size).cos, all(-LightGroup::kSlack));
+  const Floats lit = Facing(incident, sine, inverse_sine, all(-LightGroup::kSlack));
   const Floats outside = group.intensity * facing * lit * inverse2;
-  const Floats weight = distance2 > group.radius2 ? outside : group.intensity * inverse2;
-  const Floats seen = distance2 > group.radius2 ? Min(facing, lit) : all(1);
+  const Floats weight = sine < 1 ? outside : group.intensity * inverse2;
+  const Floats seen = sine < 1 ? Min(facing, lit) : all(1);
   return seen > 0 && group.intensity > 0 ? Max(weight, all(kLeastWeight)) : Floats{};
 }
 
@@ -140,10 +137,37 @@ inline Floats4 Importance(const LightGroup& group, const LightReceiver& receiver
   return light_group_detail::Importance<Floats4>(group, point);
 }
 
-/// The same for two of the receivers, each with a group of its own: the first four weights are
-/// those of `first`.
+using PointLanes = light_group_detail::Points<FloatLanes>;
+inline PointLanes PointsOf(const LightReceiverLanes& receivers) {
+  const Vec3Lanes& p = receivers.p;
+  const Vec3Lanes& n = receivers.n;
+  return {p.x, p.y, p.z, n.x, n.y, n.z, receivers.one_sided ? SameFloat(-1) : SameFloat(1)};
+}
+
+/// Of one place of the group for each of the points.
+inline FloatLanes Importance(const LightGroup& group, int place, const PointLanes& points) {
+  const auto all = [&](const Floats4& values) {
+    return SameFloat(reinterpret_cast<const float*>(&values)[place]);
+  };
+  const LightGroupOf<FloatLanes> light = {all(group.x),
+                                          all(group.y),
+                                          all(group.z),
+                                          all(group.radius),
+                                          all(group.inverse_radius),
+                                          all(group.axis_x),
+                                          all(group.axis_y),
+                                          all(group.axis_z),
+                                          all(group.cos_spread),
+                                          all(group.sin_spread),
+                                          all(group.least_facing),
+                                          all(group.intensity)};
+  return light_group_detail::Importance<FloatLanes>(light, points, group.cos_spread[place] < 1);
+}
+
+/// For two of the points, each with a group of its own: the first four weights are those of
+/// `first`.
 inline FloatLanes Importance(const LightGroup& first_group, const LightGroup& second_group,
-                             const LightReceiverLanes& receivers, int first, int second) {
+                             const PointLanes& points, int first, int second) {
   using Group = LightGroupOf<Floats4>;
   const auto both = [&](const Floats4 Group::*member) -> FloatLanes {
     return _mm256_set_m128(second_group.*member, first_group.*member);
@@ -151,16 +175,21 @@ inline FloatLanes Importance(const LightGroup& first_group, const LightGroup& se
   const __m256i lanes =
       _mm256_set_epi32(second, second, second, second, first, first, first, first);
   const auto of = [&](FloatLanes v) -> FloatLanes { return _mm256_permutevar8x32_ps(v, lanes); };
-  const LightGroupOf<FloatLanes> group = {both(&Group::x),          both(&Group::y),
-                                          both(&Group::z),          both(&Group::radius2),
-                                          both(&Group::axis_x),     both(&Group::axis_y),
-                                          both(&Group::axis_z),     both(&Group::cos_spread),
-                                          both(&Group::sin_spread), both(&Group::least_facing),
-                                          both(&Group::intensity)};
-  const FloatLanes sides = receivers.one_sided ? SameFloat(-1) : SameFloat(1);
+  const LightGroupOf<FloatLanes> groups = {both(&Group::x),
+                                           both(&Group::y),
+                                           both(&Group::z),
+                                           both(&Group::radius),
+                                           both(&Group::inverse_radius),
+                                           both(&Group::axis_x),
+                                           both(&Group::axis_y),
+                                           both(&Group::axis_z),
+                                           both(&Group::cos_spread),
+                                           both(&Group::sin_spread),
+                                           both(&Group::least_facing),
+                                           both(&Group::intensity)};
   return light_group_detail::Importance<FloatLanes>(
-      group, {of(receivers.p.x), of(receivers.p.y), of(receivers.p.z), of(receivers.n.x),
-              of(receivers.n.y), of(receivers.n.z), of(sides)});
+      groups, {of(points.x), of(points.y), of(points.z), of(points.n_x), of(points.n_y),
+               of(points.n_z), of(points.one_sided)});
 }
 
 }  // namespace strata

@@ -174,20 +174,32 @@ std::optional<LightSample> LightSet::Sample(uint32_t light, Vec3f from, Vec2f u)
 
 LightSet::ChoiceLanes LightSet::Select(const LightReceiverLanes& receivers, Vec2Lanes u,
                                        MaskLanes mask) const {
-  ChoiceLanes choices;
   if (lights_.size() == 1) return {IntLanes{}, SameFloat(1), u.x};
+  DoubleLanes rest;
   std::array<const Group*, kLanes> groups;
-  std::array<double, kLanes> rest;
-  MaskLanes in_tree = {};
-  ForEachLane(mask, [&](int lane) {
-    groups[lane] = &ChooseGroup(u.x[lane], u.y[lane], &rest[lane]);
-    in_tree[lane] = groups[lane]->light == Group::kTree ? -1 : 0;
-  });
-  std::array<LightTree::Choice, kLanes> leaves;
-  if (Any(in_tree)) leaves = tree_.Select(receivers, rest, in_tree);
-  ForEachLane(mask, [&](int lane) {
-    const Choice choice =
-        ChoiceOf(*groups[lane], rest[lane], in_tree[lane] != 0 ? &leaves[lane] : nullptr);
+  MaskLanes in_tree = mask;
+  if (groups_.size() > 1 || groups_[0].light != Group::kTree) {
+    ForEachLane(mask, [&](int lane) {
+      double left = 0;
+      groups[lane] = &ChooseGroup(u.x[lane], u.y[lane], &left);
+      rest.Set(lane, left);
+      in_tree[lane] = groups[lane]->light == Group::kTree ? -1 : 0;
+    });
+  } else {
+    const DoubleLanes high = ToDouble(u.x), low = ToDouble(u.y);
+    for (int i = 0; i < 2; ++i) rest.half[i] = high.half[i] + kLowBits * low.half[i];
+  }
+  ChoiceLanes choices = {};
+  if (Any(in_tree)) {
+    const LightTree::ChoiceLanes leaves = tree_.Select(receivers, rest, in_tree);
+    ForEachLane(in_tree, [&](int lane) {
+      choices.light[lane] = static_cast<int32_t>(tree_lights_[leaves.index[lane]]);
+    });
+    choices.probability = leaves.probability * static_cast<float>(groups_[0].probability);
+    choices.u = Min(leaves.u, SameFloat(kBelowOne));
+  }
+  ForEachLane(mask & ~in_tree, [&](int lane) {
+    const Choice choice = ChoiceOf(*groups[lane], rest.Get(lane), nullptr);
     choices.light[lane] = static_cast<int32_t>(choice.light);
     choices.probability[lane] = choice.probability;
     choices.u[lane] = choice.u;

@@ -75,6 +75,8 @@ class LightSet {
   float EnvironmentPdf(uint32_t light, Vec3f from, Vec3f direction) const;
 
  private:
+  static constexpr double kLowBits = 0x1p-24;
+  static constexpr float kBelowOne = 0x1.fffffep-1f;
   /// What the first choice is among: a light from afar, or all those at a place.
   struct Group {
     static constexpr uint32_t kTree = ~0u;
@@ -122,7 +124,7 @@ class LightSet {
 };
 
 inline const LightSet::Group& LightSet::ChooseGroup(float u, float u_low, double* rest) const {
-  const double x = u + 0x1p-24 * static_cast<double>(u_low);
+  const double x = u + kLowBits * static_cast<double>(u_low);
   const Group* group = groups_.data();
   double low = 0;
   while (x >= group->end && group != &groups_.back()) low = (group++)->end;
@@ -138,7 +140,6 @@ inline LightSet::Choice LightSet::ChoiceOf(const Group& group, double rest,
     choice.probability *= leaf->probability;
     rest = leaf->u;
   }
-  constexpr float kBelowOne = 0x1.fffffep-1f;
   choice.u = std::min(static_cast<float>(rest), kBelowOne);
   return choice;
 }

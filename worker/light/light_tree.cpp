@@ -3,189 +3,85 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cmath>
-#include <limits>
-#include <numbers>
-#include <numeric>
-#include <utility>
-
-#include "worker/math/elementary.h"
-#include "worker/math/vec3d.h"
 
 namespace strata {
 namespace {
-
-constexpr double kHalfTurn = std::numbers::pi;
 
 /// The part of the choices in which all lights are alike. A wall may hide what seems to matter
 /// most, and the noise of what faint lights bring then stays bounded (defensive sampling:
 /// Hesterberg 1995).
 constexpr double kEvenChoices = 0.01;
-
-constexpr int kBuckets = 12;
-
-/// The intensity of a group times the measure of the directions it shines in and of its box: what
-/// makes groups compact in place and direction (Conty Estevez and Kulla, 4.4).
-double Cost(const LightBounds& b) {
-  const double spread = SpreadAngle(b);
-  const double reach = std::min(spread + EmitAngle(b), kHalfTurn);
-  const double sine = Sin(spread), cosine = b.cos_spread;
-  const double directions =
-      2 * kHalfTurn * (1 - cosine) +
-      kHalfTurn / 2 * (2 * reach * sine - Cos(spread - 2 * reach) - 2 * spread * sine + cosine);
-  const Vec3d d = ToDouble(b.max) - ToDouble(b.min);
-  // The square of the diagonal too, since lights in a row have no surface.
-  const double size = 2 * (d.x * d.y + d.y * d.z + d.z * d.x) + Dot(d, d);
-  return b.intensity * directions * size;
+/// Random numbers of the other choices, over [0, 1).
+template <typename Real>
+Real Stretch(Real u) {
+  return (u - kEvenChoices) * (1 / (1 - kEvenChoices));
 }
 
-struct Bucket {
-  LightBounds bounds;
-  size_t lights = 0;
-
-  void Add(const LightBounds& b, size_t count) {
-    if (count == 0) return;
-    bounds = lights == 0 ? b : Union(bounds, b);
-    lights += count;
+/// One of four places, by their weights.
+template <typename Real>
+struct Picked {
+  Real place, weight, sum;  ///< The sum of all weights.
+  Real u;                   ///< What is left of the random number, in [0, 1].
+};
+/// By `u` in [0, 1); the weight is 0 where none is positive. Real is one number or some side by
+/// side. Without branches, which no one could predict.
+template <typename Real>
+Picked<Real> Pick(Real u, const Real (&weights)[4]) {
+  Picked<Real> picked = {};
+  picked.sum = weights[0] + weights[1] + weights[2] + weights[3];
+  const Real x = u * picked.sum;
+  Real start = {}, next = {};
+  for (int i = 0; i < 4; ++i) {
+    // The last that starts below x: roundings at the end fall to it.
+    const auto reached = (x >= next) & (weights[i] > 0);
+    picked.place = reached ? Real{} + i : picked.place;
+    picked.weight = reached ? weights[i] : picked.weight;
+    start = reached ? next : start;
+    next += weights[i];
   }
-  void Add(const Bucket& other) { Add(other.bounds, other.lights); }
-};
-
-struct BestSplit {
-  int axis = -1;
-  int bucket = 0;  ///< The last one of the first group.
-  double cost = std::numeric_limits<double>::infinity();
-};
-
-int BucketOf(float center, float low, float extent) {
-  return std::clamp(static_cast<int>(kBuckets * ((center - low) / extent)), 0, kBuckets - 1);
+  const Real rest = (x - start) / picked.weight;
+  picked.u = picked.weight > 0 ? (rest < 1 ? rest : Real{} + 1) : u;
+  return picked;
 }
 
-/// A part of the order in which lights are sorted into the tree.
-struct Range {
-  size_t begin = 0, end = 0;
-  size_t Count() const { return end - begin; }
+Picked<double> Pick(double u, Floats4 weights) {
+  return Pick<double>(u, {weights[0], weights[1], weights[2], weights[3]});
+}
+
+/// The probability of picking a place of that weight.
+float Share(double weight, double sum) {
+  return weight > 0 ? static_cast<float>(weight) / static_cast<float>(sum) : 0;
+}
+float Share(Floats4 weights, uint32_t place) {
+  return Share(weights[place], double{weights[0]} + weights[1] + weights[2] + weights[3]);
+}
+
+struct PickedLanes {
+  IntLanes place;
+  FloatLanes probability;
+  DoubleLanes u;
 };
-
-/// Sorts lights into groups.
-class Sorter {
- public:
-  explicit Sorter(const std::vector<LightBounds>& bounds) : bounds_(bounds), order_(bounds.size()) {
-    std::iota(order_.begin(), order_.end(), 0u);
+PickedLanes Pick(const DoubleLanes& u, const std::array<FloatLanes, 4>& weights) {
+  std::array<Picked<Doubles4>, 2> picked;
+  for (int half = 0; half < 2; ++half) {
+    const auto of = [&](int i) { return ToDouble(weights[i]).half[half]; };
+    picked[half] = Pick<Doubles4>(u.half[half], {of(0), of(1), of(2), of(3)});
   }
-
-  uint32_t Light(size_t place) const { return order_[place]; }
-
-  LightBounds BoundsOf(Range range) const {
-    LightBounds all = bounds_[order_[range.begin]];
-    for (size_t i = range.begin + 1; i < range.end; ++i) all = Union(all, bounds_[order_[i]]);
-    return all;
-  }
-
-  /// Two groups of two lights or more: where the cost is least, or halves if `evenly`.
-  std::pair<Range, Range> Split(Range range, bool evenly) {
-    Vec3f low = bounds_[order_[range.begin]].Center(), high = low;
-    for (size_t i = range.begin; i < range.end; ++i) {
-      const Vec3f center = bounds_[order_[i]].Center();
-      low = Min(low, center);
-      high = Max(high, center);
-    }
-    const Vec3f extent = high - low;
-    BestSplit best;
-    for (int axis = 0; axis < 3 && !evenly; ++axis) {
-      if (!(extent[axis] > 0) || !std::isfinite(extent[axis])) continue;
-      // Long thin boxes are cut across.
-      const double shape = MaxComponent(extent) / extent[axis];
-      FindSplit(range, axis, low[axis], extent[axis], shape, &best);
-    }
-    size_t middle = range.begin + range.Count() / 2;
-    if (best.axis >= 0) {
-      const auto first = order_.begin() + static_cast<std::ptrdiff_t>(range.begin);
-      const auto last = order_.begin() + static_cast<std::ptrdiff_t>(range.end);
-      const auto before = [&](uint32_t light) {
-        const float center = bounds_[light].Center()[best.axis];
-        return BucketOf(center, low[best.axis], extent[best.axis]) <= best.bucket;
-      };
-      middle = static_cast<size_t>(std::stable_partition(first, last, before) - order_.begin());
-    }
-    return {{range.begin, middle}, {middle, range.end}};
-  }
-
- private:
-  void FindSplit(Range range, int axis, float low, float extent, double shape, BestSplit* best) {
-    std::array<Bucket, kBuckets> buckets, behind;
-    for (size_t i = range.begin; i < range.end; ++i) {
-      const LightBounds& b = bounds_[order_[i]];
-      buckets[BucketOf(b.Center()[axis], low, extent)].Add(b, 1);
-    }
-    for (int i = kBuckets - 1; i > 0; --i) {
-      if (i + 1 < kBuckets) behind[i] = behind[i + 1];
-      behind[i].Add(buckets[i]);
-    }
-    Bucket before;
-    for (int i = 0; i + 1 < kBuckets; ++i) {
-      before.Add(buckets[i]);
-      if (before.lights == 0 || behind[i + 1].lights == 0) continue;
-      const double cost = shape * (Cost(before.bounds) + Cost(behind[i + 1].bounds));
-      if (cost < best->cost) *best = {axis, i, cost};
-    }
-  }
-
-  const std::vector<LightBounds>& bounds_;
-  std::vector<uint32_t> order_;
-};
+  const auto both = [&](Doubles4 Picked<Doubles4>::*member) {
+    return ToFloat({{picked[0].*member, picked[1].*member}});
+  };
+  const FloatLanes weight = both(&Picked<Doubles4>::weight);
+  return {ToInt(both(&Picked<Doubles4>::place)),
+          weight > 0 ? weight / both(&Picked<Doubles4>::sum) : FloatLanes{},
+          {{picked[0].u, picked[1].u}}};
+}
 
 }  // namespace
 
-LightTree LightTree::Build(const std::vector<LightBounds>& bounds, LightSelection selection) {
-  LightTree tree;
-  tree.selection_ = selection;
-  tree.lights_ = bounds.size();
-  tree.trails_.resize(bounds.size());
-  Sorter sorter(bounds);
-  struct Open {
-    Range range;
-    uint32_t node;
-    int depth;
-    uint64_t trail;
-  };
-  // Below this level groups are cut evenly, whatever it costs, so that trails fit their words.
-  constexpr int kMaxCostDepth = 16;
-  std::vector<Open> open = {{{0, bounds.size()}, 0, 0, 0}};
-  tree.nodes_.emplace_back();
-  while (!open.empty()) {
-    const Open now = open.back();
-    open.pop_back();
-    const bool evenly = now.depth >= kMaxCostDepth;
-    std::vector<Range> parts = {now.range};
-    while (parts.size() < 4) {
-      // The largest part is cut next.
-      const auto largest = std::max_element(parts.begin(), parts.end(),
-                                            [](Range a, Range b) { return a.Count() < b.Count(); });
-      if (largest->Count() < 2) break;
-      const auto [first, second] = sorter.Split(*largest, evenly);
-      *largest = first;
-      parts.push_back(second);
-    }
-    for (size_t place = 0; place < parts.size(); ++place) {
-      const Range part = parts[place];
-      const uint64_t trail = now.trail | uint64_t{place} << (2 * now.depth);
-      const uint32_t count = static_cast<uint32_t>(part.Count());
-      uint32_t child;
-      if (count == 1) {
-        child = sorter.Light(part.begin);
-        tree.trails_[child] = trail;
-      } else {
-        child = static_cast<uint32_t>(tree.nodes_.size());
-        tree.nodes_.emplace_back();
-        open.push_back({part, child, now.depth + 1, trail});
-      }
-      Node& node = tree.nodes_[now.node];
-      node.child[place] = child;
-      node.group.Set(static_cast<int>(place), sorter.BoundsOf(part), count);
-    }
-  }
-  return tree;
+template <typename Real>
+Real LightTree::WithEvenChoices(Real tree) const {
+  const double even = kEvenChoices / static_cast<double>(lights_);
+  return static_cast<float>(1 - kEvenChoices) * tree + static_cast<float>(even);
 }
 
 Floats4 LightTree::Weights(const LightGroup& group, const LightReceiver& receiver) const {
@@ -197,83 +93,131 @@ Floats4 LightTree::Weights(const LightGroup& group, const LightReceiver& receive
 }
 
 float LightTree::TreeProbability(uint32_t index, const LightReceiver& receiver) const {
-  float probability = 1;
   uint64_t trail = trails_[index];
-  for (uint32_t node = 0;; trail >>= 2) {
-    const Floats4 weights = Weights(nodes_[node].group, receiver);
-    const uint64_t place = trail & 3;
-    if (!(weights[place] > 0)) return 0;
-    probability *= weights[place] / (weights[0] + weights[1] + weights[2] + weights[3]);
-    if (nodes_[node].group.lights[place] == 1) return probability;
-    node = nodes_[node].child[place];
+  Walk walk = {0, 1, 0, {}};
+  if (root_nodes_ > 1) {
+    walk.node = trail & 3;
+    walk.probability = Share(RootWeights(receiver), walk.node);
+    trail >>= 2;
+  }
+  for (;; trail >>= 2) {
+    const Node& node = nodes_[walk.node];
+    const uint32_t place = trail & 3;
+    const Floats4 weights = Weights(node.group, receiver);
+    walk.probability *= Share(weights, place);
+    if (!(walk.probability > 0) || node.group.lights[place] == 1) return walk.probability;
+    walk.node = node.child[place];
   }
 }
 
 float LightTree::Probability(uint32_t index, const LightReceiver& receiver) const {
-  if (lights_ == 1) return 1;
-  const float even = static_cast<float>(kEvenChoices / static_cast<double>(lights_));
-  return static_cast<float>(1 - kEvenChoices) * TreeProbability(index, receiver) + even;
+  return lights_ == 1 ? 1 : WithEvenChoices(TreeProbability(index, receiver));
 }
 
-bool LightTree::ChooseEvenly(const LightReceiver& receiver, Walk* walk) const {
-  if (walk->u >= kEvenChoices) {
-    walk->u = (walk->u - kEvenChoices) / (1 - kEvenChoices);
-    return false;
+std::optional<LightTree::Choice> LightTree::ChooseEvenly(const LightReceiver& receiver,
+                                                         double* u) const {
+  if (*u >= kEvenChoices) {
+    *u = Stretch(*u);
+    return std::nullopt;
   }
   const double n = static_cast<double>(lights_);
-  const double at = walk->u / kEvenChoices * n;
+  const double at = *u / kEvenChoices * n;
   const uint32_t index = static_cast<uint32_t>(std::min(at, n - 1));
-  walk->choice = {index, Probability(index, receiver), at - index};
-  return true;
+  return Choice{index, Probability(index, receiver), at - index};
+}
+
+Floats4 LightTree::RootWeights(const LightReceiver& receiver) const {
+  Floats4 weights = {};
+  for (uint32_t i = 0; i < root_nodes_; ++i) {
+    const Floats4 w = Weights(nodes_[i].group, receiver);
+    weights[i] = w[0] + w[1] + w[2] + w[3];
+  }
+  return weights;
+}
+
+LightTree::Walk LightTree::Start(const LightReceiver& receiver, double u) const {
+  if (root_nodes_ == 1) return {0, 1, u, {}};
+  const auto picked = Pick(u, RootWeights(receiver));
+  return {static_cast<uint32_t>(picked.place), Share(picked.weight, picked.sum), picked.u, {}};
 }
 
 bool LightTree::Descend(Floats4 weights, Walk* walk) const {
-  const float sum = weights[0] + weights[1] + weights[2] + weights[3];
-  if (!(sum > 0)) {
-    walk->choice = {0, 0, walk->u};
-    return false;
-  }
-  // The place whose part of the sum u falls into; roundings at the end fall to the last of them.
-  // Without branches, which no one could predict.
-  const double x = walk->u * sum;
-  double starts[4] = {};
-  for (int i = 1; i < 4; ++i) starts[i] = starts[i - 1] + weights[i - 1];
-  const int passed = (x >= starts[1]) + (x >= starts[2]) + (x >= starts[3]);
-  const auto positive = static_cast<unsigned>(_mm_movemask_ps(weights > 0 ? -weights : weights));
-  const int place = std::min(passed, static_cast<int>(std::bit_width(positive)) - 1);
-  walk->u = std::min((x - starts[place]) / weights[place], 1.0);
-  walk->probability *= weights[place] / sum;
+  const auto picked = Pick(walk->u, weights);
+  const int place = static_cast<int>(picked.place);
   const Node& node = nodes_[walk->node];
-  walk->node = node.child[place];
-  if (node.group.lights[place] != 1) return true;
-  const float even = static_cast<float>(kEvenChoices / static_cast<double>(lights_));
-  walk->choice = {node.child[place],
-                  static_cast<float>(1 - kEvenChoices) * walk->probability + even, walk->u};
+  *walk = {node.child[place], walk->probability * Share(picked.weight, picked.sum), picked.u, {}};
+  const bool found = walk->probability > 0;
+  if (found && node.group.lights[place] != 1) return true;
+  walk->choice = found ? Choice{walk->node, WithEvenChoices(walk->probability), walk->u}
+                       : Choice{0, 0, walk->u};
   return false;
 }
 
 LightTree::Choice LightTree::Select(const LightReceiver& receiver, double u) const {
   if (lights_ == 1) return {0, 1, u};
-  Walk walk = {0, 1, u, {}};
-  if (ChooseEvenly(receiver, &walk)) return walk.choice;
+  if (const auto choice = ChooseEvenly(receiver, &u)) return *choice;
+  Walk walk = Start(receiver, u);
   while (Descend(Weights(nodes_[walk.node].group, receiver), &walk)) {
   }
   return walk.choice;
 }
 
-std::array<LightTree::Choice, kLanes> LightTree::Select(const LightReceiverLanes& receivers,
-                                                        const std::array<double, kLanes>& u,
-                                                        MaskLanes mask) const {
-  std::array<Choice, kLanes> choices;
+LightTree::WalkLanes LightTree::Start(const PointLanes& points, const DoubleLanes& u) const {
+  std::array<FloatLanes, 4> weights[4];
+  std::array<FloatLanes, 4> sums = {};
+  for (uint32_t i = 0; i < root_nodes_; ++i) {
+    const LightGroup& group = nodes_[i].group;
+    for (int place = 0; place < 4; ++place)
+      weights[i][place] = group.lights[place] > 0 ? Importance(group, place, points) : FloatLanes{};
+    sums[i] = weights[i][0] + weights[i][1] + weights[i][2] + weights[i][3];
+  }
+  PickedLanes node = {{}, SameFloat(1), u};
+  if (root_nodes_ > 1) node = Pick(u, sums);
+  std::array<FloatLanes, 4> here = weights[0];
+  for (int i = 1; i < static_cast<int>(root_nodes_); ++i) {
+    for (int place = 0; place < 4; ++place)
+      here[place] = node.place == i ? weights[i][place] : here[place];
+  }
+  const PickedLanes place = Pick(node.u, here);
+  return {node.place, place.place, node.probability * place.probability, place.u};
+}
+
+LightTree::ChoiceLanes LightTree::Select(const LightReceiverLanes& receivers, const DoubleLanes& u,
+                                         MaskLanes mask) const {
+  ChoiceLanes choices;
+  const auto choose = [&](int lane, const Choice& choice) {
+    choices.index[lane] = static_cast<int32_t>(choice.index);
+    choices.probability[lane] = choice.probability;
+    choices.u[lane] = static_cast<float>(choice.u);
+  };
   if (lights_ == 1 || selection_ != LightSelection::kTree) {
-    ForEachLane(mask, [&](int lane) { choices[lane] = Select(receivers.Get(lane), u[lane]); });
+    ForEachLane(mask, [&](int lane) { choose(lane, Select(receivers.Get(lane), u.Get(lane))); });
     return choices;
   }
+  // The root is the same for all: each of its places is weighed for all points at once.
+  const PointLanes points = PointsOf(receivers);
+  DoubleLanes stretched;
+  for (int half = 0; half < 2; ++half) stretched.half[half] = Stretch(u.half[half]);
+  const WalkLanes start = Start(points, stretched);
+  choices.u = ToFloat(start.u);
+  choices.probability = start.probability > 0 ? WithEvenChoices(start.probability) : FloatLanes{};
   std::array<Walk, kLanes> walks;
   unsigned walking = 0;
-  ForEachLane(mask, [&](int lane) {
-    walks[lane] = {0, 1, u[lane], {}};
-    if (!ChooseEvenly(receivers.Get(lane), &walks[lane])) walking |= 1u << lane;
+  ForEachLane(mask & (start.probability > 0), [&](int lane) {
+    const Node& node = nodes_[start.node[lane]];
+    const int place = start.place[lane];
+    choices.index[lane] = static_cast<int32_t>(node.child[place]);
+    if (node.group.lights[place] == 1) return;
+    walks[lane] = {node.child[place], start.probability[lane], start.u.Get(lane), {}};
+    walking |= 1u << lane;
+  });
+  // Those whose number chooses among all alike; rounding may add some to them.
+  ForEachLane(mask & (ToFloat(u) <= static_cast<float>(kEvenChoices)), [&](int lane) {
+    double number = u.Get(lane);
+    const std::optional<Choice> choice = ChooseEvenly(receivers.Get(lane), &number);
+    if (!choice) return;
+    choose(lane, *choice);
+    walking &= ~(1u << lane);
   });
   while (walking != 0) {
     // Weighed two by two, then all go on.
@@ -284,16 +228,17 @@ std::array<LightTree::Choice, kLanes> LightTree::Select(const LightReceiverLanes
       const int second = rest != 0 ? std::countr_zero(rest) : first;
       rest &= rest - 1;
       const __m256 both = Importance(nodes_[walks[first].node].group,
-                                     nodes_[walks[second].node].group, receivers, first, second);
+                                     nodes_[walks[second].node].group, points, first, second);
       weights[second] = _mm256_extractf128_ps(both, 1);
       weights[first] = _mm256_castps256_ps128(both);
     }
     for (unsigned rest = walking; rest != 0; rest &= rest - 1) {
       const int lane = std::countr_zero(rest);
-      if (!Descend(weights[lane], &walks[lane])) walking &= ~(1u << lane);
+      if (Descend(weights[lane], &walks[lane])) continue;
+      walking &= ~(1u << lane);
+      choose(lane, walks[lane].choice);
     }
   }
-  ForEachLane(mask, [&](int lane) { choices[lane] = walks[lane].choice; });
   return choices;
 }
 

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "worker/light/light_group.h"
@@ -9,9 +10,10 @@
 
 namespace strata {
 
-/// A hierarchy of bounded lights, from which one is chosen for a point in O(log n) steps: at each
-/// node one of four groups, by their importance (Conty Estevez and Kulla, "Importance Sampling of
-/// Many Lights with Adaptive Tree Splitting", 2018, without the splitting). Immutable.
+/// A hierarchy of bounded lights, from which one is chosen for a point in O(log n) steps: at the
+/// root one of sixteen groups, then one of four at each node, by their importance (Conty Estevez
+/// and Kulla, "Importance Sampling of Many Lights with Adaptive Tree Splitting", 2018, without the
+/// splitting). Immutable.
 class LightTree {
  public:
   /// Index i of the tree is bounds[i], whose intensity is positive.
@@ -24,9 +26,13 @@ class LightTree {
   };
   /// `u` in [0, 1). The tree must not be empty.
   Choice Select(const LightReceiver& receiver, double u) const;
+  struct ChoiceLanes {
+    IntLanes index = {};
+    FloatLanes probability = {}, u = {};
+  };
   /// Select for each lane in `mask`.
-  std::array<Choice, kLanes> Select(const LightReceiverLanes& receivers,
-                                    const std::array<double, kLanes>& u, MaskLanes mask) const;
+  ChoiceLanes Select(const LightReceiverLanes& receivers, const DoubleLanes& u,
+                     MaskLanes mask) const;
   /// With which Select finds `index`.
   float Probability(uint32_t index, const LightReceiver& receiver) const;
 
@@ -43,17 +49,34 @@ class LightTree {
     double u;
     Choice choice;
   };
-  /// Where a random number chooses one of the lights by no more than their number; true if it does.
-  bool ChooseEvenly(const LightReceiver& receiver, Walk* walk) const;
-  /// One step, by the weights of the node's groups; false at the end, where there is a choice.
-  bool Descend(Floats4 weights, Walk* walk) const;
+  /// Where a random number chooses one of the lights by no more than their number; none, and what
+  /// is left of the number, if it does not.
+  std::optional<Choice> ChooseEvenly(const LightReceiver& receiver, double* u) const;
   Floats4 Weights(const LightGroup& group, const LightReceiver& receiver) const;
+  /// What is below each of the root's nodes.
+  Floats4 RootWeights(const LightReceiver& receiver) const;
+  /// To one of the root's nodes.
+  Walk Start(const LightReceiver& receiver, double u) const;
+  /// One step, by the weights of the node's places; false at the end, where there is a choice.
+  bool Descend(Floats4 weights, Walk* walk) const;
+  /// To places of the root's nodes.
+  struct WalkLanes {
+    IntLanes node, place;
+    FloatLanes probability;
+    DoubleLanes u;
+  };
+  WalkLanes Start(const PointLanes& points, const DoubleLanes& u) const;
+  /// The probability of a choice that the tree alone finds with `tree`.
+  template <typename Real>
+  Real WithEvenChoices(Real tree) const;
   float TreeProbability(uint32_t index, const LightReceiver& receiver) const;
 
   LightSelection selection_ = LightSelection::kTree;
   size_t lights_ = 0;
+  uint32_t root_nodes_ = 1;  ///< The first: one of them is chosen by what all its places weigh.
   std::vector<Node> nodes_;
-  std::vector<uint64_t> trails_;  ///< For each light its way from the root, two bits a step.
+  /// For each light its way from the root, two bits a step.
+  std::vector<uint64_t> trails_;
 };
 
 }  // namespace strata

@@ -16,6 +16,8 @@ inline constexpr int kLanes = 8;
 using FloatLanes __attribute__((vector_size(32))) = float;
 using IntLanes __attribute__((vector_size(32))) = int32_t;
 using MaskLanes = IntLanes;
+using Floats4 __attribute__((vector_size(16))) = float;
+using Doubles4 __attribute__((vector_size(32))) = double;
 
 inline FloatLanes SameFloat(float v) { return FloatLanes{v, v, v, v, v, v, v, v}; }
 inline IntLanes SameInt(int32_t v) { return IntLanes{v, v, v, v, v, v, v, v}; }
@@ -46,6 +48,25 @@ inline FloatLanes CopySign(FloatLanes magnitude, FloatLanes sign) {
 }
 inline IntLanes ToInt(FloatLanes v) { return reinterpret_cast<IntLanes>(_mm256_cvttps_epi32(v)); }
 inline FloatLanes ToFloat(IntLanes v) { return __builtin_convertvector(v, FloatLanes); }
+
+/// Eight doubles: those of the first four lanes, and of the others.
+struct DoubleLanes {
+  Doubles4 half[2] = {};
+
+  double Get(int lane) const { return half[lane / 4][lane % 4]; }
+  void Set(int lane, double v) { half[lane / 4][lane % 4] = v; }
+};
+inline Floats4 HalfOf(FloatLanes v, int half) {
+  return half == 0 ? _mm256_castps256_ps128(v) : _mm256_extractf128_ps(v, 1);
+}
+inline FloatLanes ToFloat(const DoubleLanes& v) {
+  return _mm256_set_m128(_mm256_cvtpd_ps(v.half[1]), _mm256_cvtpd_ps(v.half[0]));
+}
+inline DoubleLanes ToDouble(FloatLanes v) {
+  return {{__builtin_convertvector(HalfOf(v, 0), Doubles4),
+           __builtin_convertvector(HalfOf(v, 1), Doubles4)}};
+}
+
 /// Four floats of each lane's own.
 struct RowLanes {
   FloatLanes v[4];
