@@ -1,5 +1,6 @@
 #include "worker/geometry/texture.h"
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -8,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "common/image_file.h"
+#include "tests/statistics/random.h"
 
 // Look-ups against values worked out by hand, with pbrt-v4's conventions.
 
@@ -123,27 +125,44 @@ TEST(Textures, MappingScaleAndInversion) {
   EXPECT_EQ(set->Eval(3, uv, {}).r, set->Eval(3, uv, {}).b);
 }
 
-TEST(Textures, LookUpsInTwoStepsFindTheSame) {
+TEST(Textures, EightAtOnceAreWhatEachIs) {
   const ImageFolder folder;
   std::vector<float> shades;
   for (int i = 0; i < 5 * 4 * 3; ++i) shades.push_back(0.01f * static_cast<float>(i));
   folder.Write("image.exr", 5, 4, shades);
   folder.Write("image.png", 5, 4, shades);
+  folder.Write("dot.png", 1, 1, {0.3f, 0.4f, 0.5f});
   const auto set =
       MustLoad({ImageTexture{"image.exr"}, ImageTexture{"image.png", {2, 3, 0.1f, 0.2f}},
                 ImageTexture{.path = "image.png", .wrap = ImageWrap::kBlack, .channel = 1},
                 ImageTexture{.path = "image.png", .scale = 0.5f, .invert = true, .nearest = true},
                 ImageTexture{.path = "image.exr", .second_uv = true}, ScaleTexture{0, 1},
-                CheckerboardTexture{.a = 0, .b = 1}, ScaleTexture{0, 4}},
+                CheckerboardTexture{.a = 0, .b = 1}, ScaleTexture{0, 4}, ConstantTexture{{1, 2, 3}},
+                ImageTexture{.path = "image.png", .wrap = ImageWrap::kClamp, .scale = 0.7f},
+                ImageTexture{.path = "image.exr", .wrap = ImageWrap::kMirror},
+                ImageTexture{.path = "image.png", .wrap_t = ImageWrap::kClamp},
+                ImageTexture{"dot.png"}, ImageTexture{"image.png", {1, 1, 0, 0, 0.5f, 0}},
+                ImageTexture{.path = "image.png", .scalar = true}},
                folder);
   for (const TextureId id : {4, 7}) EXPECT_FALSE(set->NeedsFirstUvOnly(id));
-  for (const TextureId id : {0, 1, 2, 3, 5, 6}) {
-    EXPECT_TRUE(set->NeedsFirstUvOnly(id));
-    for (float u = -1.2f; u < 2; u += 0.07f) {
-      for (float v = -1.2f; v < 2; v += 0.07f)
-        EXPECT_EQ(set->Finish(set->Begin(id, {u, v}, {})), set->Eval(id, {u, v}, {}))
-            << id << " at " << u << " " << v;
+  const std::array<TextureId, 14> ids = {0, 1, 2, 3, 5, 6, 8, 9, 10, 11, 12, 13, 14, kNoTexture};
+  for (const TextureId id : ids) EXPECT_TRUE(set->NeedsFirstUvOnly(id));
+  TestRandom random(1);
+  const MaskLanes mask = {-1, -1, 0, -1, -1, -1, 0, -1};
+  for (int i = 0; i < 4000; ++i) {
+    IntLanes id;
+    Vec2Lanes uv;
+    for (int lane = 0; lane < kLanes; ++lane) {
+      id[lane] = static_cast<int32_t>(ids[(i + lane * (i / 16)) % ids.size()]);
+      uv.x[lane] = 4 * random.Float() - 1.5f;
+      uv.y[lane] = i % 7 == 0 ? 0.25f * static_cast<float>(lane) : 4 * random.Float() - 1.5f;
     }
+    const RgbLanes found = set->Finish(set->Begin(id, uv, mask), {});
+    ForEachLane(mask, [&](int lane) {
+      const Vec2f at = {uv.x[lane], uv.y[lane]};
+      EXPECT_EQ(found.Get(lane), set->Eval(static_cast<TextureId>(id[lane]), at, {}))
+          << id[lane] << " at " << at.x << " " << at.y;
+    });
   }
 }
 

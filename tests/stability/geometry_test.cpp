@@ -104,6 +104,22 @@ TEST(CoplanarLayers, OnAQuadricAreOne) {
   }
 }
 
+TEST(Patches, ThatAreFlatDoNotShadowThemselves) {
+  // Where a coordinate is 0 all over the patch, rays that leave it begin exactly on it.
+  for (const double edge : {1.7, 1.3, 1.123}) {
+    for (const bool tilted : {false, true}) {
+      const std::string world = absl::StrFormat(
+          "Shape \"bilinearmesh\" \"point3 P\" [ -%1$g -%1$g 0 %1$g -%1$g 0 -%1$g %1$g 0 %1$g %1$g "
+          "0 ]\n",
+          edge);
+      ExpectEveryPixel(
+          absl::StrFormat("patch of %g%s", edge, tilted ? ", tilted" : ""),
+          Render(FromAbove(world, tilted), Exact({.size = 16, .spp = 256, .max_depth = 2})),
+          kReflectance, 1e-5);
+    }
+  }
+}
+
 TEST(CoplanarLayers, ALayerAboveIsTheControlThatIsSeen) {
   // A black roof a thousandth above a half of the plane.
   const std::string world = Triangles(Strip(-1.5, 1.5, 0)) +

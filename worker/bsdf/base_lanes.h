@@ -1,18 +1,17 @@
 #pragma once
 
-#include <array>
-
 #include "worker/bsdf/material.h"
 #include "worker/geometry/geometry_lanes.h"
 #include "worker/geometry/texture.h"
 
 namespace strata {
 
-/// Which of eight surfaces have a Lambertian base (see BaseRow), bare or under a coat, and of what
-/// reflectance.
+/// Which of eight surfaces have a Lambertian base (see BaseRow), bare or under a coat. Textures are
+/// looked up in two steps.
 struct BaseLanes {
   MaskLanes bare = {}, coated = {};
-  RgbLanes reflectance;
+  RgbLanes reflectance;  ///< Where no texture has it.
+  TextureSet::BegunLanes textured;
 };
 
 /// What is looked for: bare bases of constant reflectance alone, or those with
@@ -34,19 +33,23 @@ inline BaseLanes FindBases(const MaterialSet& materials, const TextureSet& textu
   if (search.coats) lanes.coated = base & coat;
   if (!search.textures) return lanes;
   const MaskLanes textured = (lanes.bare | lanes.coated) & ((flags & BaseRow::kTexture) != 0);
-  std::array<TextureSet::BegunLookUp, kLanes> look_ups;
-  ForEachLane(textured, [&](int lane) {
-    look_ups[lane] =
-        textures.Begin(rows[surfaces.material[lane]].texture,
-                       {surfaces.uv.x[lane], surfaces.uv.y[lane]}, surfaces.p.Get(lane));
-  });
-  RgbLanes found;
-  ForEachLane(textured, [&](int lane) { found.Set(lane, textures.Finish(look_ups[lane])); });
+  if (!Any(textured)) return lanes;
+  static_assert(sizeof(TextureId) == sizeof(float));
+  const float* texture_row = &rows->alpha_x;
+  const IntLanes texture = reinterpret_cast<IntLanes>(
+      GatherRows(texture_row, surfaces.material * kStride, textured).v[3]);
+  lanes.textured = textures.Begin(texture, surfaces.uv, textured);
+  return lanes;
+}
+
+/// The reflectances of bases that were found.
+inline RgbLanes ReflectancesOf(const BaseLanes& bases, const TextureSet& textures, Vec3Lanes p) {
+  if (!Any(bases.textured.lanes)) return bases.reflectance;
+  const RgbLanes found = textures.Finish(bases.textured, p);
   // Not a number stays that, to be counted as the defect it is.
   const auto clamp = [](FloatLanes v) { return Min(Max(v, FloatLanes{}), SameFloat(1)); };
-  lanes.reflectance =
-      Select(textured, {clamp(found.r), clamp(found.g), clamp(found.b)}, lanes.reflectance);
-  return lanes;
+  return Select(bases.textured.lanes, {clamp(found.r), clamp(found.g), clamp(found.b)},
+                bases.reflectance);
 }
 
 }  // namespace strata

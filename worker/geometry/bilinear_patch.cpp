@@ -9,6 +9,7 @@ namespace {
 
 struct Root {
   double t = 0, u = 0, v = 0;
+  double error = 0;  ///< By which t may be off, with a wide margin.
 };
 
 /// Where a line meets the patch continued beyond its edges, up to two points (Reshetov, Ray Tracing
@@ -31,8 +32,11 @@ int LineRoots(const BilinearPatchSurface& patch, Vec3d origin, Vec3d direction, 
     const double across2 = Dot(across, across);
     if (!(across2 > 0)) continue;
     const Vec3d delta = start - origin;
+    constexpr double kDoubleError = 0x1p-48;
+    const double size = Length(start) + Length(origin) + Length(along);
     roots[count++] = {Dot(delta, Cross(along, across)) / across2, u,
-                      Dot(delta, Cross(direction, across)) / across2};
+                      Dot(delta, Cross(direction, across)) / across2,
+                      kDoubleError * size * std::sqrt(Dot(along, along) / across2)};
   }
   return count;
 }
@@ -82,8 +86,10 @@ std::optional<SurfaceHit> Intersect(const BilinearPatchSurface& patch, const Sur
   const int count = LineRoots(patch, ray.origin, ray.direction, roots);
   std::optional<SurfaceHit> nearest;
   for (int i = 0; i < count; ++i) {
-    const auto [t, u, v] = roots[i];
-    if (!(u >= 0 && u <= 1 && v >= 0 && v <= 1 && t > ray.t_min && t < ray.t_max)) continue;
+    const auto [t, u, v, error] = roots[i];
+    // Rays that leave a patch in a plane where a coordinate is 0 begin exactly on it.
+    const double t_min = ray.t_min + error;
+    if (!(u >= 0 && u <= 1 && v >= 0 && v <= 1 && t > t_min && t < ray.t_max)) continue;
     if (!nearest || t < nearest->t) nearest = SurfaceHit{t, patch.PointAt(u, v), u, v};
   }
   return nearest;

@@ -9,6 +9,7 @@
 #include <variant>
 
 #include "worker/geometry/image_texels.h"
+#include "worker/geometry/plain_images.h"
 #include "worker/math/vec3d.h"
 
 namespace strata {
@@ -132,6 +133,7 @@ struct TextureSet::State {
   std::vector<char> second_uv;  ///< Of each node: whether it or a child needs it.
   std::vector<ImageTexels> images;
   std::vector<DecodeTable> tables;
+  PlainImages plain;  ///< Of all nodes.
 
   Rgb Eval(TextureId id, SurfaceUv uv, Vec3f p) const;
   Vec2f StepOf(const TextureNode& node, const std::vector<TextureId>& children) const;
@@ -351,39 +353,29 @@ absl::StatusOr<std::unique_ptr<TextureSet>> TextureSet::Load(
         !std::holds_alternative<CheckerboardTexture>(texture))
       node = state.Eval(id, {}, {});
   }
+  for (size_t id = 0; id < textures.size(); ++id) {
+    if (const auto* node = std::get_if<ImageNode>(&state.nodes[id]))
+      state.plain.Add(state.images[node->texels], state.tables[node->table],
+                      std::get<ImageTexture>(textures[id]));
+    else
+      state.plain.AddOther();
+  }
   return set;
 }
 
 Rgb TextureSet::Eval(TextureId id, SurfaceUv uv, Vec3f p) const { return state_->Eval(id, uv, p); }
 
-TextureSet::BegunLookUp TextureSet::Begin(TextureId id, Vec2f uv, Vec3f p) const {
-  BegunLookUp look_up = {.id = id, .uv = uv, .p = p};
-  if (id == kNoTexture) return look_up;
-  const auto* node = std::get_if<ImageNode>(&state_->nodes[id]);
-  if (!node || node->nearest) return look_up;
-  const ImageTexels& texels = state_->images[node->texels];
-  const Quadruple at = Around(PointIn(texels, *node, uv));
-  if (at.x < 0 || at.y < 0 || at.x + 1 >= texels.width || at.y + 1 >= texels.height) return look_up;
-  const size_t top_left = texels.Offset(at.x, at.y), bottom_left = texels.Offset(at.x, at.y + 1);
-  texels.Fetch(top_left);
-  texels.Fetch(bottom_left);
-  look_up.top_left = top_left;
-  look_up.bottom_left = bottom_left;
-  look_up.fraction = at.fraction;
-  look_up.begun = true;
-  return look_up;
+TextureSet::BegunLanes TextureSet::Begin(IntLanes id, Vec2Lanes uv, MaskLanes mask) const {
+  return {mask, uv, state_->plain.Begin(id, uv, mask & (id != kNoTexture))};
 }
 
-Rgb TextureSet::Finish(const BegunLookUp& look_up) const {
-  if (!look_up.begun) return state_->Eval(look_up.id, look_up.uv, look_up.p);
-  const auto& node = *std::get_if<ImageNode>(&state_->nodes[look_up.id]);
-  const ImageTexels& texels = state_->images[node.texels];
-  const DecodeTable& table = state_->tables[node.table];
-  const size_t right = static_cast<size_t>(texels.channels);
-  const size_t top = look_up.top_left, bottom = look_up.bottom_left;
-  return Adjust(
-      node, Bilinear(texels.At(top, table), texels.At(top + right, table), texels.At(bottom, table),
-                     texels.At(bottom + right, table), look_up.fraction));
+RgbLanes TextureSet::Finish(const BegunLanes& begun, Vec3Lanes p) const {
+  RgbLanes value = state_->plain.Finish(begun.plain);
+  ForEachLane(begun.lanes & ~begun.plain.lanes, [&](int lane) {
+    const Vec2f uv = {begun.uv.x[lane], begun.uv.y[lane]};
+    value.Set(lane, state_->Eval(begun.plain.id[lane], uv, p.Get(lane)));
+  });
+  return value;
 }
 
 bool TextureSet::NeedsFirstUvOnly(TextureId id) const {

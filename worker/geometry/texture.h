@@ -4,7 +4,9 @@
 #include <vector>
 
 #include "common/status.h"
+#include "worker/geometry/plain_images.h"
 #include "worker/geometry/surface_uv.h"
+#include "worker/math/lanes.h"
 #include "worker/math/vec.h"
 #include "worker/scene/description.h"
 #include "worker/scene/file_source.h"
@@ -25,21 +27,16 @@ class TextureSet {
   /// How far apart in u and v to look it up for differences that are about its derivatives.
   Vec2f Step(TextureId id) const;
 
-  /// A look-up by the first texture coordinates that has been begun. Texels come from memory: to
-  /// begin several before the first is finished lets them come at the same time.
-  struct BegunLookUp {
-    TextureId id = kNoTexture;
-    Vec2f uv;
-    Vec3f p;
-    // Of an image whose four pixels around the point are side by side:
-    size_t top_left = 0, bottom_left = 0;
-    Vec2f fraction;      ///< Where between them the point lies.
-    bool begun = false;  ///< These are set.
+  /// Look-ups of textures that NeedsFirstUvOnly, begun in the lanes of `lanes`. Texels take their
+  /// time to come from memory, in which other things may be done.
+  struct BegunLanes {
+    MaskLanes lanes = {};
+    Vec2Lanes uv;
+    PlainImages::Begun plain;
   };
-  /// Of a texture that NeedsFirstUvOnly.
-  BegunLookUp Begin(TextureId id, Vec2f uv, Vec3f p) const;
-  /// What Eval gives.
-  Rgb Finish(const BegunLookUp& look_up) const;
+  BegunLanes Begin(IntLanes id, Vec2Lanes uv, MaskLanes mask) const;
+  /// What Eval gives in each lane, for the points `p`.
+  RgbLanes Finish(const BegunLanes& begun, Vec3Lanes p) const;
   bool NeedsFirstUvOnly(TextureId id) const;
 
   /// True when the texture is the same everywhere.

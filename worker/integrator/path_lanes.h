@@ -131,13 +131,16 @@ class PathLanes {
     const MaskLanes last = depth_ == settings_.max_depth;
     MaskLanes going = found & ~(last & (depth_ > 0));
     if (!Any(going)) return alive;
-    MakeBsdfs(hits, going);
+    const BaseLanes bases = FindBsdfs(hits, going);
+    // The choice of a light takes half of it, roulette the other.
+    if (ChoosesLights()) u_select_ = Get2D(kPairSelect, going);
+    LightSampleLanes light;
+    const MaskLanes lit = SampleLights(going & ~last, &light);
+    MakeBases(bases, going);
     going &= ~last;
     if (!Any(going)) return alive;
     StartGuides(going);
-    // The choice of a light takes half of it, roulette the other.
-    if (ChoosesLights()) u_select_ = Get2D(kPairSelect, going);
-    AddDirectLight(going);
+    AddDirectLight(light, lit);
     going = Scatter(going);
     going = SurviveRoulette(going);
     depth_ = going ? depth_ + 1 : depth_;
@@ -178,35 +181,40 @@ class PathLanes {
     AddRadiance(lane, radiance, weight);
   }
 
-  void MakeBsdfs(const HitLanes& hits, MaskLanes mask) {
+  /// All but the reflectances of bases, which may still be on their way from memory.
+  BaseLanes FindBsdfs(const HitLanes& hits, MaskLanes mask) {
     const Vec3Lanes wo = -ray_.direction;
     const MaskLanes seen = Dot(surface_.ns, wo) * Dot(surface_.ng, wo) > 0;
     frame_ = FrameLanes::FromNormal(Select(seen, surface_.ns, surface_.ng));
     const BaseLanes bases = FindBases(scene_.materials(), scene_.textures(), surface_, mask,
                                       {.coats = HasCoats(), .textures = HasBaseTextures()});
-    reflectance_ = bases.reflectance;
     lambertian_ = bases.bare;
     coated_ = bases.coated;
     receiver_.one_sided = mask;
     ForEachLane(OtherMaterials(mask), [&](int lane) {
-      const Bsdf& bsdf = BsdfOf(lane, hits, wo.Get(lane));
-      if (const auto* diffuse = std::get_if<DiffuseBsdf>(&bsdf)) {
-        lambertian_[lane] = -1;
-        reflectance_.Set(lane, diffuse->reflectance);
-        return;
-      }
-      bsdf_[lane] = &bsdf;
-      if (Transmits(bsdf)) receiver_.one_sided[lane] = 0;
+      bsdf_[lane] = &BsdfOf(lane, hits, wo.Get(lane));
+      if (Transmits(*bsdf_[lane])) receiver_.one_sided[lane] = 0;
     });
     wo_z_ = Dot(wo, frame_.z);
     if constexpr ((kHas & kOtherMaterials) != 0) wo_ = frame_.ToLocal(wo);
+    receiver_.p = surface_.p;
+    receiver_.n = Select(wo_z_ < 0, -frame_.z, frame_.z);
+    return bases;
+  }
+
+  void MakeBases(const BaseLanes& bases, MaskLanes mask) {
+    reflectance_ = ReflectancesOf(bases, scene_.textures(), surface_.p);
+    ForEachLane(OtherMaterials(mask), [&](int lane) {
+      const auto* diffuse = std::get_if<DiffuseBsdf>(bsdf_[lane]);
+      if (!diffuse) return;
+      lambertian_[lane] = -1;
+      reflectance_.Set(lane, diffuse->reflectance);
+    });
     if (Any(Coated(mask)))
       coat_ = CoatedDiffuseLanes(scene_.materials().base_rows().data(), surface_.material,
                                  reflectance_, wo_, coated_);
     if (settings_.first_hit)
       ForEachLane(mask & (depth_ == 0), [&](int lane) { DescribeFirstHit(lane); });
-    receiver_.p = surface_.p;
-    receiver_.n = Select(wo_z_ < 0, -frame_.z, frame_.z);
   }
 
   /// The BSDF of the lane's vertex; turns its frame where the material is not isotropic.
@@ -258,16 +266,15 @@ class PathLanes {
 
   MaskLanes SidesAgree(Vec3Lanes w, FloatLanes w_z) const { return Dot(surface_.ng, w) * w_z > 0; }
 
-  void AddDirectLight(MaskLanes mask) {
+  /// Samples a light for each lane of `mask`; returns those that have found one.
+  MaskLanes SampleLights(MaskLanes mask, LightSampleLanes* sample) {
     const LightSet& lights = scene_.lights();
-    if (lights.empty()) return;
+    if (lights.empty()) return MaskLanes{};
     ForEachLane(OtherMaterials(mask), [&](int lane) {
       if (IsDelta(*bsdf_[lane])) mask[lane] = 0;
     });
-    if (!Any(mask)) return;
+    if (!Any(mask)) return mask;
     Vec2Lanes u = Get2D(kPairLight, mask);
-    RayLanes shadow;
-    if (HasAlpha()) SetRayIds(&shadow, u, true, mask);
     IntLanes light = {};
     FloatLanes probability = SameFloat(1);
     if (ChoosesLights()) {
@@ -277,9 +284,15 @@ class PathLanes {
       u.x = choice.u;
       mask &= probability > 0;
     }
-    const LightSampleLanes sample = lights.Sample(light, surface_.p, u, mask);
+    *sample = lights.Sample(light, surface_.p, u, mask);
+    sample->pdf = sample->pdf * probability;
+    return mask & sample->valid;
+  }
+
+  void AddDirectLight(const LightSampleLanes& sample, MaskLanes mask) {
+    if (!Any(mask)) return;
     const FloatLanes wi_z = Dot(sample.wi, frame_.z);
-    mask &= sample.valid & SidesAgree(sample.wi, wi_z);
+    mask &= SidesAgree(sample.wi, wi_z);
     FloatLanes bsdf_pdf = wo_z_ * wi_z > 0 ? kInvPi * Abs(wi_z) : FloatLanes{};
     RgbLanes f = reflectance_ * bsdf_pdf;
     const Vec3Lanes wi = {Dot(sample.wi, frame_.x), Dot(sample.wi, frame_.y), wi_z};
@@ -298,16 +311,17 @@ class PathLanes {
     ForEachLane(Guided(mask), [&](int lane) {
       bsdf_pdf[lane] = guides_[lane].MixedPdf(bsdf_pdf[lane], sample.wi.Get(lane));
     });
-    const FloatLanes light_pdf = sample.pdf * probability;
-    const FloatLanes weight = sample.delta ? SameFloat(1) : PowerHeuristic(light_pdf, bsdf_pdf);
+    const FloatLanes weight = sample.delta ? SameFloat(1) : PowerHeuristic(sample.pdf, bsdf_pdf);
     rays_ -= mask;
+    RayLanes shadow;
+    if (HasAlpha()) SetRayIds(&shadow, Get2D(kPairLight, mask), true, mask);
     shadow.origin = OffsetRayOrigins(surface_.p, surface_.offset, surface_.ng, sample.wi);
     shadow.direction = Select(sample.infinite, sample.wi, sample.end - shadow.origin);
     shadow.time = ray_.time;
     shadow.t_max = sample.infinite ? shadow.t_max : SameFloat(path_detail::kShadowEnd);
     mask &= ~Occluded(scene_.geometry(), shadow, mask);
     radiance_ =
-        Select(mask, radiance_ + beta_ * f * sample.radiance * (weight / light_pdf), radiance_);
+        Select(mask, radiance_ + beta_ * f * sample.radiance * (weight / sample.pdf), radiance_);
   }
 
   /// Chooses the next directions; returns the lanes that have one.
