@@ -106,6 +106,18 @@ TEST(BsdfEnergy, WhiteMetallicRoughnessDielectricReturnsAll) {
 }
 
 // What its tables say of a metal is what the lobe returns.
+TEST(MetallicRoughness, SpecularColoursMayExceedOne) {
+  // KHR_materials_specular: f0 is min(0.04 colour, 1) specular.
+  const auto f0 = [](float color, float specular) {
+    return MetallicRoughnessBsdf(TestSchlickAlbedo(),
+                                 {.specular_color = Rgb::Gray(color), .specular = specular})
+        .f0.g;
+  };
+  EXPECT_FLOAT_EQ(f0(2, 1), 0.08f);
+  EXPECT_FLOAT_EQ(f0(10, 0.5f), 0.2f);
+  EXPECT_FLOAT_EQ(f0(100, 0.5f), 0.5f);
+}
+
 TEST(BsdfEnergy, SchlickTablesAreTheLobesAlbedo) {
   uint64_t seed = 1;
   const Rgb color = {0.9f, 0.5f, 0.1f};

@@ -60,6 +60,18 @@ TEST(GltfSkin, VerticesFollowTheirJointsAndNotTheirNode) {
     EXPECT_EQ(warning.text.find("left out"), std::string::npos) << warning.text;
 }
 
+TEST(GltfSkin, WithoutMatricesIsThatOfIdentities) {
+  Skinned skinned(kEdges);
+  skinned.file.json["skins"][0].erase("inverseBindMatrices");
+  const auto read = skinned.file.Read();
+  ASSERT_TRUE(read.ok()) << read.status();
+  EXPECT_FALSE(Warns(*read, "", "inverseBindMatrices"));
+  const TriangleMeshShape& mesh = OnlyMesh(*read);
+  // The upper joint, which they had moved to the origin, stays where it is.
+  ExpectNear(mesh.positions[0], {0, 0, 0});
+  ExpectNear(mesh.positions[2], {-1, 2, 0});
+}
+
 TEST(GltfSkin, WeightsBlendMatricesAndNeedNotSumToOne) {
   for (const float sum : {1.0f, 2.0f}) {
     std::vector<float> weights = kEdges;

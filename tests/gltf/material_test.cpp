@@ -113,6 +113,21 @@ TEST(GltfMaterial, IndexAndSpecularSetTheReflectance) {
   EXPECT_EQ(read.Constant(read.material().specular_color), (Rgb{0.1f, 0.2f, 0.3f}));
 }
 
+TEST(GltfMaterial, ClearWallsKeepPunctualLightsOutAndThatIsSaid) {
+  for (const auto& [roughness, lamps, said] :
+       {std::tuple(0.0, true, true), std::tuple(0.0, false, false), std::tuple(0.1, true, false)}) {
+    GltfFile file;
+    file.Append("materials",
+                {{"pbrMetallicRoughness", {{"roughnessFactor", roughness}}},
+                 {"extensions", {{"KHR_materials_transmission", {{"transmissionFactor", 1}}}}}});
+    file.AddNode({{"mesh", file.AddSquare({{"material", 0}})}});
+    if (lamps) file.json["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "point"}}};
+    const auto read = file.Read();
+    ASSERT_TRUE(read.ok()) << read.status();
+    EXPECT_EQ(Warns(*read, "KHR_materials_transmission", "does not come through"), said);
+  }
+}
+
 TEST(GltfMaterial, SpecularMapsAreAnAlphaChannelAndAColour) {
   const ReadMaterial read = Read({{"extensions",
                                    {{"KHR_materials_specular",

@@ -92,6 +92,12 @@ TEST(GltfCamera, LooksAlongMinusZWithXToTheRight) {
   EXPECT_NEAR(camera.fov, 0.5 * 180 / std::numbers::pi, 1e-4);
   EXPECT_EQ(read->scene.defaults.width, 1440);
   EXPECT_EQ(read->scene.defaults.height, 720);
+  // The angle is that of the height in frames of any shape.
+  for (const int width : {1440, 720, 300}) {
+    const Camera frame = *Camera::Create(camera, width, 720);
+    const Vec3f top = frame.GenerateRay({static_cast<float>(width) / 2, 0}, {}).direction;
+    EXPECT_NEAR(std::atan2(top.y, -top.z), 0.25, 1e-5) << width;
+  }
 }
 
 TEST(GltfCamera, OrthographicOnesShowTwiceTheirMagnifications) {

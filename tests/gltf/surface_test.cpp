@@ -148,6 +148,18 @@ TEST_P(GltfAlpha, MaskIsThereFromTheCutoffOn) {
   EXPECT_EQ(FrameMean(Passed({{"alphaMode", "MASK"}}), 1).mean, 1);
 }
 
+TEST_P(GltfAlpha, CutoffsAboveOneLeaveNothing) {
+  for (const auto& [cutoff, passed] : {std::pair(1.0, 0.0), std::pair(1.5, 1.0)}) {
+    GltfFile file;
+    Json material = Unlit({1, 0, 1, 1});
+    material.update({{"alphaMode", "MASK"}, {"alphaCutoff", cutoff}});
+    file.Append("materials", material);
+    file.AddNode({{"mesh", file.AddSquare({{"material", 0}})}});
+    AddOrthographicCamera(file, 0.5, 0.5, 1, 1);
+    EXPECT_EQ(FrameMean(Show(file, 64, 16), 1).mean, passed) << cutoff;
+  }
+}
+
 TEST_P(GltfAlpha, BlendIsThereAsOftenAsAlphaSays) {
   ExpectMean(Passed({{"alphaMode", "BLEND"}}), 1 - 0.75 * (0.4 + 0.6) / 2);
 }

@@ -105,6 +105,12 @@ struct Lookup {
   Rgb ReflectanceOr(TextureId id, Rgb otherwise) const {
     return id == kNoTexture ? otherwise : Reflectance(id);
   }
+  /// Not negative, and without an upper end.
+  Rgb FactorOr(TextureId id, Rgb otherwise) const {
+    if (id == kNoTexture) return otherwise;
+    const Rgb c = Color(id);
+    return {std::max(c.r, 0.0f), std::max(c.g, 0.0f), std::max(c.b, 0.0f)};
+  }
   float FractionOr(TextureId id, float otherwise) const {
     return id == kNoTexture ? otherwise : std::clamp(Color(id).r, 0.0f, 1.0f);
   }
@@ -190,7 +196,7 @@ struct Lookup {
                                   .metallic = FractionOr(m.metallic, 1),
                                   .alpha = roughness * roughness,
                                   .f0 = m.f0,
-                                  .specular_color = ReflectanceOr(m.specular_color, Rgb::Gray(1)),
+                                  .specular_color = FactorOr(m.specular_color, Rgb::Gray(1)),
                                   .specular = FractionOr(m.specular, 1),
                                   .transmission = FractionOr(m.transmission, 0),
                                   .coat = FractionOr(m.coat, 0),

@@ -33,13 +33,13 @@ class SchlickAlbedo {
   AlbedoTable normal_, grazing_;
 };
 
-/// What a metallic-roughness surface is at one point; all in [0, 1].
+/// What a metallic-roughness surface is at one point; all but specular_color in [0, 1].
 struct MetallicRoughness {
   Rgb base_color;
   float metallic = 0;
   float alpha = 1;                 ///< GGX's: glTF's roughness, squared.
   float f0 = 0.04f;                ///< Of the dielectric, at normal incidence.
-  Rgb specular_color = {1, 1, 1};  ///< Multiplies f0.
+  Rgb specular_color = {1, 1, 1};  ///< Multiplies f0, up to 1. Not negative.
   float specular = 1;              ///< Multiplies the dielectric's reflectance at all angles.
   float transmission =
       0;           ///< Share of the dielectric's light that passes instead of being diffuse.
@@ -79,7 +79,9 @@ struct MetallicRoughnessBsdf {
         coat_ggx(Ggx::FromAlpha(m.coat_alpha, m.coat_alpha)),
         coat(m.coat) {
     const float dielectric = 1 - m.metallic;
-    const Rgb dielectric_color = m.specular_color * (m.f0 * m.specular);
+    const Rgb color = m.specular_color * m.f0;
+    const Rgb dielectric_color =
+        Rgb{std::min(color.r, 1.0f), std::min(color.g, 1.0f), std::min(color.b, 1.0f)} * m.specular;
     f0 = m.base_color * m.metallic + dielectric_color * dielectric;
     f90 = m.metallic + m.specular * dielectric;
     dielectric_f0 = MaxComponent(dielectric_color);

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "common/text.h"
-#include "worker/math/elementary.h"
 #include "worker/math/vec3d.h"
 
 namespace strata {
@@ -28,13 +27,6 @@ absl::StatusOr<Transform> Rigid(const GltfDocument& document, const Transform& t
   return rigid;
 }
 
-/// Of the shorter edge of a frame, where `vertical` is that of the height; degrees.
-float ShorterEdgeFov(double vertical, double aspect) {
-  const double tangent = Tan(vertical / 2) * std::min(aspect, 1.0);
-  return static_cast<float>(360 / kPi64 *
-                            static_cast<double>(Atan2(static_cast<float>(tangent), 1.0f)));
-}
-
 }  // namespace
 
 absl::Status SetCamera(GltfDocument& document, int index, const Transform& to_world,
@@ -52,7 +44,8 @@ absl::Status SetCamera(GltfDocument& document, int index, const Transform& to_wo
     const double fov = camera->perspective.yfov;
     if (!(fov > 0 && fov < kPi64))
       return document.Error(name + ".perspective.yfov", "it must lie between 0 and pi");
-    description.fov = ShorterEdgeFov(fov, aspect);
+    description.fov = static_cast<float>(180 / kPi64 * fov);
+    description.fov_is_vertical = true;
   } else if (camera->type == "orthographic") {
     const tinygltf::OrthographicCamera& ortho = camera->orthographic;
     if (!(ortho.xmag > 0 && ortho.ymag > 0))

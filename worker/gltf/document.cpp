@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <exception>
 #include <filesystem>
 #include <limits>
@@ -13,6 +12,7 @@
 
 #include "common/bundle.h"
 #include "common/text.h"
+#include "worker/gltf/plain_json.h"
 
 namespace strata {
 namespace {
@@ -94,15 +94,6 @@ bool NestsTooDeeply(std::string_view json) {
   return false;
 }
 
-/// The JSON of a .glb, as long as its header says (glTF 2.0, 4.4); all of a .gltf.
-std::string_view JsonPart(std::string_view bytes, bool binary) {
-  constexpr size_t kLengthBegin = 12, kJsonBegin = 20;
-  if (!binary || bytes.size() < kJsonBegin) return bytes;
-  uint32_t length = 0;
-  std::memcpy(&length, bytes.data() + kLengthBegin, sizeof length);
-  return bytes.substr(kJsonBegin, length);
-}
-
 /// Keeps the bytes of an embedded image; those in buffers are looked up when they are needed.
 bool KeepImageBytes(tinygltf::Image* image, int, std::string*, std::string*, int, int,
                     const unsigned char* bytes, int size, void*) {
@@ -116,7 +107,9 @@ bool KeepImageBytes(tinygltf::Image* image, int, std::string*, std::string*, int
 struct FileAccess {
   GltfDocument* document;
   const FileSource* source;
+  std::vector<uint64_t> lengths;  ///< Of the buffers, in the order in which they are asked for.
   absl::Status status;
+  size_t next = 0;
 };
 
 bool NameIsFile(const std::string& name, void*) { return !name.empty(); }
@@ -130,7 +123,10 @@ bool ReadBuffer(std::vector<unsigned char>* bytes, std::string*, const std::stri
     STRATA_ASSIGN_OR_RETURN(const std::filesystem::path local, access.source->Locate(path));
     const absl::StatusOr<std::string> text = ReadWholeFile(local, kMaxFileBytes);
     if (!text.ok()) return Annotate(text.status(), StrCat("\"", path, "\""));
-    bytes->assign(text->begin(), text->end());
+    // A buffer is the file's beginning, as much as it says (glTF 2.0, 3.6.1.1).
+    const size_t next = access.next++;
+    const uint64_t length = next < access.lengths.size() ? access.lengths[next] : text->size();
+    bytes->assign(text->begin(), text->begin() + std::min<uint64_t>(length, text->size()));
     return absl::OkStatus();
   };
   access.status = read();
@@ -163,13 +159,15 @@ absl::StatusOr<GltfDocument> GltfDocument::Load(const FileSource& source,
 
 absl::Status GltfDocument::Parse() {
   STRATA_ASSIGN_OR_RETURN(const std::filesystem::path path, source_.Locate(file_));
-  absl::StatusOr<std::string> bytes = ReadWholeFile(path, kMaxFileBytes);
-  if (!bytes.ok()) return Annotate(bytes.status(), file_);
-  const bool binary = absl::StartsWith(*bytes, "glTF");
-  if (NestsTooDeeply(JsonPart(*bytes, binary)))
+  absl::StatusOr<std::string> file = ReadWholeFile(path, kMaxFileBytes);
+  if (!file.ok()) return Annotate(file.status(), file_);
+  const bool binary = absl::StartsWith(*file, "glTF");
+  if (NestsTooDeeply(JsonPart(*file, binary)))
     return Error("", "the JSON is nested more than 200 deep");
+  STRATA_ASSIGN_OR_RETURN(PlainGltf plain, MakePlain(*this, *std::move(file), binary));
 
-  FileAccess access{this, &source_, absl::OkStatus()};
+  const std::string& bytes = plain.bytes;
+  FileAccess access{this, &source_, std::move(plain.file_lengths), absl::OkStatus()};
   tinygltf::TinyGLTF parser;
   parser.SetImageLoader(KeepImageBytes, nullptr);
   parser.SetFsCallbacks({NameIsFile, SameName, ReadBuffer, nullptr, &access});
@@ -177,12 +175,12 @@ absl::Status GltfDocument::Parse() {
   bool understood = false;
   // nlohmann's JSON and what tinygltf does with it throw on some malformed files.
   try {
-    const auto size = static_cast<unsigned int>(bytes->size());
+    const auto size = static_cast<unsigned int>(bytes.size());
     understood =
         binary ? parser.LoadBinaryFromMemory(&model_, &error, &warning,
-                                             reinterpret_cast<const unsigned char*>(bytes->data()),
+                                             reinterpret_cast<const unsigned char*>(bytes.data()),
                                              size, "")
-               : parser.LoadASCIIFromString(&model_, &error, &warning, bytes->data(), size, "");
+               : parser.LoadASCIIFromString(&model_, &error, &warning, bytes.data(), size, "");
   } catch (const std::exception& e) {
     error = e.what();
   }
@@ -224,6 +222,10 @@ absl::Status GltfDocument::Error(const std::string& element, std::string_view te
 absl::StatusOr<std::string> GltfDocument::AddFile(const std::string& uri,
                                                   const std::string& element) {
   const std::string where = At(element).ToString();
+  if (absl::StartsWithIgnoreCase(uri, "file:"))
+    return Error(element, StrCat("\"", uri,
+                                 "\" is a place on one machine; name the file by a path "
+                                 "beside the scene"));
   if (uri.find("://") != std::string::npos)
     return Error(element, StrCat("\"", uri, "\" is on a network; put the file beside the scene"));
   absl::StatusOr<std::string> path = ResolveBundlePath(directory_, uri);

@@ -15,6 +15,8 @@ constexpr const char* kClearcoat = "KHR_materials_clearcoat";
 constexpr const char* kEmissiveStrength = "KHR_materials_emissive_strength";
 constexpr const char* kIor = "KHR_materials_ior";
 constexpr const char* kSpecular = "KHR_materials_specular";
+/// Smoother surfaces let light pass in one direction only: GGX's alpha is below 0.001.
+constexpr double kClearRoughness = 0.032;
 constexpr const char* kTransmission = "KHR_materials_transmission";
 constexpr const char* kUnlit = "KHR_materials_unlit";
 constexpr const char* kVolume = "KHR_materials_volume";
@@ -184,6 +186,9 @@ absl::StatusOr<AlphaMask> MaterialMaker::Alpha(const Source& source, const Verte
   if (factor != 1)
     mask.texture = textures_.Product(mask.texture, textures_.Constant(Rgb::Gray(factor)));
   if (m.alphaMode == "MASK") mask.cutoff = static_cast<float>(m.alphaCutoff);
+  // A cutoff above 1 leaves nothing, even of what has no alpha.
+  if (mask.cutoff > 1 && mask.texture == kNoTexture)
+    mask.texture = textures_.Constant(Rgb::Gray(1));
   return mask;
 }
 
@@ -256,6 +261,13 @@ absl::Status MaterialMaker::AddExtensions(const Source& source,
   const GltfExtension transmission = source.Extension(document_, kTransmission);
   STRATA_ASSIGN_OR_RETURN(material->transmission,
                           Factor(transmission, "transmissionFactor", "transmissionTexture", 0, 0));
+  const double roughness = source.material->pbrMetallicRoughness.roughnessFactor;
+  if (material->transmission != kNoTexture && roughness < kClearRoughness &&
+      !document_.model().lights.empty())
+    document_.Warn(transmission.element(),
+                   StrCat("where its roughness is below ", kClearRoughness,
+                          ", the light of punctual lights does not come through; give it more, or "
+                          "use lights of some size"));
   return absl::OkStatus();
 }
 

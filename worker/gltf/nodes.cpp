@@ -38,8 +38,12 @@ absl::StatusOr<Transform> LocalTransform(const GltfDocument& document, const tin
     std::array<double, 16> columns;
     std::copy(node.matrix.begin(), node.matrix.end(), columns.begin());
     local = Transform::FromColumns(columns);
-    if (local.m[3] != std::array<double, 4>{0, 0, 0, 1})
+    const auto& last = local.m[3];
+    constexpr double kRounding = 1e-5;
+    if (!(std::fabs(last[0]) + std::fabs(last[1]) + std::fabs(last[2]) + std::fabs(last[3] - 1) <
+          kRounding))
       return wrong("matrix", "its last row must be 0, 0, 0, 1");
+    local.m[3] = {0, 0, 0, 1};
   } else {
     if (!node.translation.empty()) {
       if (node.translation.size() != 3) return wrong("translation", "it must have 3 numbers");

@@ -17,14 +17,14 @@ struct ScreenRect {
   double x_min, x_max, y_min, y_max;
 };
 
-/// The shorter side spans [-1, 1] unless the file says otherwise.
+/// The shorter side, or the height, spans [-1, 1] unless the file says otherwise.
 ScreenRect ScreenWindow(const CameraDescription& camera, int width, int height) {
   if (camera.screen_window) {
     const std::array<float, 4>& w = *camera.screen_window;
     return {w[0], w[1], w[2], w[3]};
   }
   const double aspect = camera.frame_aspect ? *camera.frame_aspect : double(width) / height;
-  if (aspect > 1) return {-aspect, aspect, -1, 1};
+  if (aspect > 1 || camera.fov_is_vertical) return {-aspect, aspect, -1, 1};
   return {-1, 1, -1 / aspect, 1 / aspect};
 }
 

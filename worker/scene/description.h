@@ -338,8 +338,9 @@ struct CameraDescription {
   /// Times of motion, at 0 of which things are at their start and at 1 at their end. Before and
   /// after that they stand still.
   float shutter_open = 0, shutter_close = 1;
-  float fov = 90;         ///< Perspective alone. Degrees, over the shorter edge of the window.
-  float lens_radius = 0;  ///< Of a thin lens, not of spherical cameras. Scene units.
+  float fov = 90;  ///< Perspective alone. Degrees, over the shorter edge of the window,
+  bool fov_is_vertical = false;  ///< or over its height whatever its shape.
+  float lens_radius = 0;         ///< Of a thin lens, not of spherical cameras. Scene units.
   float focal_distance = 1e6f;
   std::optional<float> frame_aspect;  ///< Width over height; from the frame if unset.
   /// x_min, x_max, y_min, y_max: in units of camera space for orthographic cameras.
