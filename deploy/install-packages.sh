@@ -13,7 +13,7 @@ build=(
   libembree-dev libtbb-dev libopenimageio-dev
   openimageio-tools  # libopenimageio-dev's CMake files name its programs and fail without them
   libgrpc++-dev libprotobuf-dev protobuf-compiler protobuf-compiler-grpc
-  libabsl-dev libspdlog-dev libcli11-dev nlohmann-json3-dev libssl-dev
+  libabsl-dev libspdlog-dev libcli11-dev nlohmann-json3-dev libssl-dev zlib1g-dev
   libtinygltf-dev  # compiled into the renderer, headers only
   libboost-dev  # Boost.Math, headers only: p-values of strata diff, and of the tests
 )
@@ -21,7 +21,7 @@ build=(
 runtime=(
   libembree3-3 libtbb12 libopenimageio2.4
   libgrpc++1.51 libprotobuf32
-  libabsl20220623 libspdlog1.10 libssl3
+  libabsl20220623 libspdlog1.10 libssl3 zlib1g
 )
 # To test, and to compile often.
 test=(libgtest-dev libgmock-dev libbenchmark-dev ccache gnuplot-nox)  # the last draws plots of strata lab

@@ -1,6 +1,7 @@
 // Where the files of a scene are found, and that none is read from outside its root.
 
 #include <gtest/gtest.h>
+#include <zlib.h>
 
 #include <filesystem>
 
@@ -13,6 +14,60 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string Message(const absl::Status& status) { return std::string(status.message()); }
+
+/// Of as many members as there are parts.
+void WriteGzip(const SceneFolder& folder, const std::string& path,
+               std::initializer_list<std::string_view> parts) {
+  const std::string local = (folder.root() / path).string();
+  const char* mode = "wb";
+  for (const std::string_view part : parts) {
+    gzFile file = gzopen(local.c_str(), mode);
+    ASSERT_TRUE(file);
+    gzwrite(file, part.data(), static_cast<unsigned>(part.size()));
+    gzclose(file);
+    mode = "ab";
+  }
+}
+
+TEST(Files, MayBeCompressedByGzip) {
+  const SceneFolder folder;
+  folder.Write("scene.pbrt",
+               "WorldBegin\nInclude \"part.pbrt.gz\"\n"
+               "Shape \"plymesh\" \"string filename\" \"mesh.ply.gz\"\n");
+  std::string spheres;
+  for (int i = 0; i < 100000; ++i) spheres += "# Much that is alike is soon told.\n";
+  WriteGzip(folder, "part.pbrt.gz", {spheres, "Shape \"sphere\"\n", "Shape \"sphere\"\n"});
+  WriteGzip(folder, "mesh.ply.gz",
+            {"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+             "property float z\nelement face 1\nproperty list uchar int vertex_indices\n"
+             "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"});
+  const auto scene = folder.Read();
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  ASSERT_EQ(scene->scene.shapes.size(), 3u);
+  EXPECT_EQ(std::get<TriangleMeshShape>(scene->scene.shapes[2].geometry).triangles.size(), 1u);
+
+  // Cut short anywhere, and damaged.
+  std::ifstream file(folder.root() / "part.pbrt.gz", std::ios::binary);
+  const std::string whole((std::istreambuf_iterator<char>(file)), {});
+  ASSERT_GT(whole.size(), 100u);
+  for (const size_t size : {size_t{3}, size_t{11}, whole.size() / 2, whole.size() - 1}) {
+    folder.Write("part.pbrt.gz", std::string_view(whole).substr(0, size));
+    EXPECT_NE(folder.Read().status().message().find(
+                  "the gzip file is damaged or cut short; compress it again"),
+              std::string::npos)
+        << size << ": " << folder.Read().status();
+  }
+  std::string damaged = whole;
+  damaged[whole.size() / 2] ^= 0x55;
+  folder.Write("part.pbrt.gz", damaged);
+  EXPECT_FALSE(folder.Read().ok());
+}
+
+TEST(Files, MayBeginWithAByteOrderMark) {
+  const auto scene = ReadText("\xef\xbb\xbfWorldBegin Shape \"sphere\"");
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  EXPECT_EQ(scene->scene.shapes.size(), 1u);
+}
 
 TEST(BundlePath, IsRelativeAndPlain) {
   for (const char* path : {"scene.pbrt", "a/b.ply", "a b/c", ".hidden", "a..b"}) {

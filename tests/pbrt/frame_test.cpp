@@ -62,7 +62,8 @@ TEST(Frame, OfUnknownPartsWarns) {
     Integrator "bdpt" "bool whatever" true
     PixelFilter "sinc" "float tau" 3
     Film "gbuffer" "float iso" 200
-    Option "bool disablepixeljitter" true
+    Option "disablepixeljitter" true
+    Option "rendercoordsys" "world" Option "seed" [ 5 ] Option "bool disablepixeljitter" false
     WorldBegin)");
   ASSERT_EQ(scene.warnings.size(), 6u);
   EXPECT_EQ(scene.warnings[0].where.ToString(), "scene.pbrt:2");

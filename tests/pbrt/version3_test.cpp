@@ -4,6 +4,7 @@
 #include <string>
 
 #include "tests/pbrt/scene_folder.h"
+#include "worker/geometry/texture.h"
 
 // Words of pbrt-v3: those that mean what a word of v4 means are read as that and noted, the others
 // are refused with what to use.
@@ -170,6 +171,52 @@ TEST(Version3, ImagesOfLightsLieByLatitudeAndLongitude) {
   EXPECT_EQ(std::get<ProjectionLightDescription>(light(3)).fov, 30);
   EXPECT_EQ(std::get<PointLightDescription>(light(4)).intensity, Rgb::Gray(5));
   EXPECT_TRUE(Warns(*scene, "\"mapname\" of LightSource is read as \"filename\""));
+}
+
+TEST(Version3, ScaleTexturesMultiplyColours) {
+  const PbrtScene scene = MustRead(R"(WorldBegin
+    Texture "a" "color" "constant" "color value" [ 0.5 0.25 1 ]
+    Texture "f" "float" "constant" "float value" 0.5
+    Texture "ab" "color" "scale" "texture tex1" "a" "color tex2" [ 0.5 1 0.25 ]
+    Texture "ba" "color" "scale" "color tex1" [ 0.5 1 0.25 ] "texture tex2" "a"
+    Texture "af" "spectrum" "scale" "texture tex" "a" "texture scale" "f"
+    Material "matte" "texture Kd" "ab" Shape "sphere"
+    Material "matte" "texture Kd" "ba" Shape "sphere"
+    Material "matte" "texture Kd" "af" Shape "sphere")");
+  ASSERT_EQ(scene.scene.shapes.size(), 3u);
+  const auto set = TextureSet::Load(scene.scene.textures, DirectorySource("."));
+  ASSERT_TRUE(set.ok()) << set.status();
+  const auto reflectance = [&](size_t shape) {
+    const auto& material = scene.scene.materials.at(scene.scene.shapes[shape].material);
+    return (*set)->Eval(std::get<DiffuseMaterial>(material).reflectance, {}, {});
+  };
+  EXPECT_EQ(reflectance(0), (Rgb{0.25f, 0.25f, 0.25f}));
+  EXPECT_EQ(reflectance(1), (Rgb{0.25f, 0.25f, 0.25f}));
+  EXPECT_EQ(reflectance(2), (Rgb{0.25f, 0.125f, 0.5f}));
+  // A texture of the other kind is called that.
+  const auto mixed = ReadWorld(
+      "Texture \"a\" \"color\" \"constant\" \"color value\" [ 1 1 1 ]\n"
+      "Texture \"m\" \"float\" \"mix\" \"texture amount\" \"a\"\n");
+  EXPECT_NE(mixed.status().message().find(
+                "scene.pbrt:3: the texture \"a\" is no float texture; define it as \"float\""),
+            std::string::npos)
+      << mixed.status();
+}
+
+TEST(Version3, FactorsOfLightsAndAnglesOfCamerasAreKept) {
+  const PbrtScene scene = MustRead(R"(
+    Camera "perspective" "float halffov" [ 20 ]
+    WorldBegin
+    LightSource "point" "blackbody I" [ 5500 3 ]
+    LightSource "point" "blackbody I" [ 5500 ] "float scale" 3)");
+  EXPECT_EQ(scene.scene.camera.fov, 40);
+  ASSERT_EQ(scene.scene.lights.size(), 2u);
+  const auto intensity = [&](size_t i) {
+    return std::get<PointLightDescription>(scene.scene.lights[i].light).intensity;
+  };
+  EXPECT_EQ(intensity(0), intensity(1));
+  EXPECT_GT(intensity(0).r, 0);
+  EXPECT_TRUE(Warns(scene, "pbrt-v3's second number of a \"blackbody\""));
 }
 
 TEST(Version3, WhatHasNoWordIsRefusedWithWhatToUse) {

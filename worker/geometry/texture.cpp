@@ -295,12 +295,15 @@ absl::StatusOr<ImageNode> TextureLoader::LoadImage(const ImageTexture& texture,
     }
   }
   absl::StatusOr<ImageFile> file = ReadTextureImage(texture, source_);
-  if (!file.ok()) return Annotate(file.status(), absl::StrCat("texture image ", texture.path));
+  const std::string what =
+      absl::StrCat(texture.where.file.empty() ? "" : absl::StrCat(texture.where.ToString(), ": "),
+                   "texture image ", texture.path);
+  if (!file.ok()) return Annotate(file.status(), what);
   alpha = wants_alpha(translucent_[texture.path] = IsTranslucent(*file));
   encoding = alpha ? ImageEncoding::kLinear : texture.encoding;
   gamma = encoding == ImageEncoding::kGamma ? texture.gamma : 0;
   const absl::Status usable = CheckTexels(*file, alpha);
-  if (!usable.ok()) return Annotate(usable, absl::StrCat("texture image ", texture.path));
+  if (!usable.ok()) return Annotate(usable, what);
   node.table = TableOf(encoding, gamma, tables);
   node.texels = static_cast<uint32_t>(images->size());
   images->push_back(alpha ? ImageTexels::AlphaFrom(*file)

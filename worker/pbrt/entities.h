@@ -49,6 +49,8 @@ class TextureTable {
   TextureId Add(TextureDescription texture, int depth);
   TextureId Named(ParameterReader& parameters, const Parameter& parameter,
                   const absl::flat_hash_map<std::string, TextureId>& names, std::string_view kind);
+  /// "scale" of a scale texture: a number or, as in pbrt-v3 and if not `scalar`, a colour.
+  TextureId Factor(ParameterReader& parameters, bool scalar, std::string_view color_space);
   /// One more than the deepest of the inputs; an error beyond what evaluation may recurse.
   int DepthOver(ParameterReader& parameters, std::initializer_list<TextureId> inputs);
   std::optional<ImageTexture> ReadImage(ParameterReader& parameters, bool scalar);

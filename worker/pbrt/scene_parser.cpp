@@ -346,7 +346,16 @@ absl::Status SceneParser::ColorSpace() {
 }
 
 absl::Status SceneParser::Option() {
-  STRATA_RETURN_IF_ERROR(ParseParameters(tokens()).status());
+  STRATA_ASSIGN_OR_RETURN(const std::string name, ReadString());
+  // One value, which pbrt-v4 takes without brackets.
+  STRATA_ASSIGN_OR_RETURN(Token value, tokens().Next());
+  if (value.kind == Token::Kind::kOpen) {
+    STRATA_ASSIGN_OR_RETURN(value, tokens().Next());
+    STRATA_ASSIGN_OR_RETURN(const Token close, tokens().Next());
+    if (close.kind != Token::Kind::kClose) value.kind = Token::Kind::kEnd;
+  }
+  if (value.kind != Token::Kind::kWord && value.kind != Token::Kind::kString)
+    return ErrorAt(Here(), StrCat("Option \"", name, "\" wants one value"));
   context_.Warn(Here(), "Option directives are ignored");
   return absl::OkStatus();
 }

@@ -87,6 +87,12 @@ TextureId TextureTable::Named(ParameterReader& parameters, const Parameter& para
   const std::string name = parameter.strings.size() == 1 ? parameter.strings[0] : "";
   const auto it = names.find(name);
   if (it != names.end()) return it->second;
+  const bool of_other_kind = floats_.contains(name) || spectra_.contains(name);
+  if (of_other_kind) {
+    parameters.Fail(parameter.where, StrCat("the texture \"", name, "\" is no ", kind,
+                                            " texture; define it as \"", kind, "\""));
+    return kNoTexture;
+  }
   parameters.Fail(parameter.where, StrCat("there is no ", kind, " texture \"", name,
                                           "\" so far; define it with Texture before it is used"));
   return kNoTexture;
@@ -149,6 +155,17 @@ int TextureTable::DepthOver(ParameterReader& parameters, std::initializer_list<T
   return depth;
 }
 
+TextureId TextureTable::Factor(ParameterReader& parameters, bool scalar,
+                               std::string_view color_space) {
+  const Parameter* parameter = parameters.Take("scale");
+  bool is_color = parameter && parameter->type != "float";
+  if (parameter && parameter->type == "texture")
+    is_color = parameter->strings.size() == 1 && !floats_.contains(parameter->strings[0]) &&
+               spectra_.contains(parameter->strings[0]);
+  if (scalar || !is_color) return Float(parameters, "scale", 1.0f);
+  return Color(parameters, "scale", Rgb::Gray(1), SpectrumUse::kUnbounded, color_space);
+}
+
 std::optional<ImageTexture> TextureTable::ReadImage(ParameterReader& parameters, bool scalar) {
   ImageTexture image;
   image.scalar = scalar;
@@ -197,7 +214,8 @@ absl::Status TextureTable::Define(const std::string& name, const std::string& va
   if (texture_class == "constant") {
     id = value("value", 1);
   } else if (texture_class == "scale") {
-    const ScaleTexture scale{value("tex", 1), Float(parameters, "scale", 1.0f)};
+    const TextureId texture = value("tex", 1);
+    const ScaleTexture scale{texture, Factor(parameters, scalar, color_space)};
     id = Add(scale, DepthOver(parameters, {scale.texture, scale.scale}));
   } else if (texture_class == "mix") {
     const MixTexture mix{value("tex1", 0), value("tex2", 1), Float(parameters, "amount", 0.5f)};

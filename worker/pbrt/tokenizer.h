@@ -26,7 +26,10 @@ class Tokenizer {
  public:
   /// `file` is the name used in messages.
   Tokenizer(std::string file, std::string contents)
-      : file_(std::move(file)), contents_(std::move(contents)) {}
+      : file_(std::move(file)), contents_(std::move(contents)) {
+    constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+    if (contents_.starts_with(kByteOrderMark)) position_ = kByteOrderMark.size();
+  }
   Tokenizer(const Tokenizer&) = delete;
   Tokenizer& operator=(const Tokenizer&) = delete;
 

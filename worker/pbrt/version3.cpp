@@ -130,9 +130,9 @@ class Translation {
     }
     if (directive_ == "PixelFilter") TranslateAlpha();
     if (directive_ == "Texture") TranslateGamma();
-    if (directive_ == "Camera" && from_ == "environment")
-      Add("mapping", "string").strings = {"equirectangular"};
+    if (directive_ == "Camera") TranslateCamera();
     if (directive_ == "Shape") PairTextureCoordinates();
+    if (directive_ == "AreaLightSource") TakeBlackbodyScales();
     return directive_ == "LightSource" ? TranslateLight() : absl::OkStatus();
   }
 
@@ -266,6 +266,15 @@ class Translation {
     alpha->numbers[0] = std::sqrt(0.5 / alpha->numbers[0]);
   }
 
+  void TranslateCamera() {
+    if (from_ == "environment") Add("mapping", "string").strings = {"equirectangular"};
+    Parameter* half = Find("halffov");
+    if (!half || half->numbers.size() != 1 || Find("fov")) return;
+    Note(half->where, "\"halffov\" of Camera", "half of \"fov\"");
+    half->name = "fov";
+    half->numbers[0] *= 2;
+  }
+
   void TranslateGamma() {
     Parameter* gamma = Find("gamma");
     if (type_ != "imagemap" || !gamma || gamma->type != "bool" || gamma->bools.size() != 1) return;
@@ -287,6 +296,7 @@ class Translation {
   /// multiplied by "L", too.
   absl::Status TranslateLight() {
     STRATA_RETURN_IF_ERROR(TakeGray("scale"));
+    TakeBlackbodyScales();
     Parameter* map = Find("mapname");
     if (!map) return absl::OkStatus();
     Note(map->where, "\"mapname\" of LightSource", "\"filename\"");
@@ -294,6 +304,7 @@ class Translation {
     if (type_ == "infinite") STRATA_RETURN_IF_ERROR(TakeGray("L"));
     if (type_ == "infinite" || type_ == "goniometric")
       Add("mapping", "string").strings = {"equirectangular"};
+    if (type_ == "projection") STRATA_RETURN_IF_ERROR(TakeGray("I"));
     if (type_ == "projection" && !Find("fov")) Add("fov", "float").numbers = {45};
     return absl::OkStatus();
   }
@@ -309,10 +320,26 @@ class Translation {
                                           "\" of a light is not supported here; use a gray one"));
     Note(color->where, StrCat("\"", name, "\" of LightSource"), "a part of \"float scale\"");
     Remove(name);
+    MultiplyScale(c[0]);
+    return absl::OkStatus();
+  }
+
+  /// The second number of a "blackbody" of v3 is a factor.
+  void TakeBlackbodyScales() {
+    double factor = 1;
+    for (Parameter& parameter : parameters_) {
+      if (parameter.type != "blackbody" || parameter.numbers.size() != 2) continue;
+      Note(parameter.where, "second number of a \"blackbody\"", "a part of \"float scale\"");
+      factor *= parameter.numbers[1];
+      parameter.numbers.pop_back();
+    }
+    if (factor != 1) MultiplyScale(factor);
+  }
+
+  void MultiplyScale(double factor) {
     if (!Find("scale")) Add("scale", "float").numbers = {1};
     Parameter* scale = Find("scale");
-    if (scale->numbers.size() == 1) scale->numbers[0] *= c[0];
-    return absl::OkStatus();
+    if (scale->numbers.size() == 1) scale->numbers[0] *= factor;
   }
 
   const std::string_view directive_;

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <fstream>
 #include <system_error>
+#include <utility>
 
 #include "common/bundle.h"
 #include "common/text.h"
+#include "worker/scene/gzip.h"
 
 namespace strata {
 
@@ -56,7 +58,7 @@ absl::StatusOr<std::string> ReadWholeFile(const std::filesystem::path& path, uin
   if (!file.read(text.data(), static_cast<std::streamsize>(bytes))) {
     return absl::UnavailableError("the file cannot be read; check its permissions");
   }
-  return text;
+  return IsGzip(text) ? Gunzip(text, limit) : std::move(text);
 }
 
 }  // namespace strata

@@ -35,7 +35,7 @@ class DirectorySource : public FileSource {
   FilesElsewhere elsewhere_;
 };
 
-/// All bytes of a file of at most `limit` bytes.
+/// All bytes of a file of at most `limit` bytes; of a gzip file, what it holds.
 absl::StatusOr<std::string> ReadWholeFile(const std::filesystem::path& path, uint64_t limit);
 
 }  // namespace strata
