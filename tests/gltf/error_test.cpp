@@ -67,6 +67,25 @@ TEST(GltfErrors, NameTheElement) {
   ExpectError("asset.version", [](Json& j) { j["asset"]["version"] = "1.0"; });
 }
 
+TEST(GltfErrors, FactorsOfMaterialsHaveTheirTypesAndRanges) {
+  const auto expect = [](const std::string& where, Json material) {
+    ExpectError("scene.gltf:materials[0]." + where,
+                [&](Json& j) { j["materials"] = {std::move(material)}; });
+  };
+  const auto pbr = [](Json factors) { return Json{{"pbrMetallicRoughness", std::move(factors)}}; };
+  expect("pbrMetallicRoughness.roughnessFactor: it must be a number",
+         pbr({{"roughnessFactor", "x"}}));
+  expect("pbrMetallicRoughness.metallicFactor: it must be a number within 0 and 1",
+         pbr({{"metallicFactor", 2}}));
+  expect("pbrMetallicRoughness.metallicFactor", pbr({{"metallicFactor", nullptr}}));
+  expect("pbrMetallicRoughness.baseColorFactor: it must be 4 numbers",
+         pbr({{"baseColorFactor", {1, 1, 1}}}));
+  expect("emissiveFactor: it must be 3 numbers not below 0", {{"emissiveFactor", {0, 0, "a"}}});
+  expect("alphaCutoff", {{"alphaCutoff", "x"}});
+  expect("alphaMode: it must be OPAQUE, MASK or BLEND", {{"alphaMode", "FOO"}});
+  expect("doubleSided", {{"doubleSided", 1}});
+}
+
 TEST(GltfErrors, RequiredExtensionsAreRefusedInASentence) {
   for (const auto& [name, remedy] : std::vector<std::pair<std::string, std::string>>{
            {"KHR_draco_mesh_compression", "uncompressed"},

@@ -4,6 +4,7 @@
 #include <absl/strings/match.h>
 #include <absl/strings/numbers.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
@@ -135,6 +136,59 @@ absl::Status CheckMinVersion(const GltfDocument& document, const Json& json) {
                                                    ", which is not supported; write it as 2.0"));
 }
 
+/// What a property of a material must be.
+struct Property {
+  const char* name;
+  size_t numbers = 1;    ///< An array of so many, if more than one.
+  bool fraction = true;  ///< Each within 0 and 1.
+};
+
+absl::Status CheckNumbers(const GltfDocument& document, const Json& object,
+                          const Property& property, const std::string& element) {
+  if (!object.is_object() || !object.contains(property.name)) return absl::OkStatus();
+  const Json& value = object[property.name];
+  const auto sound = [&](const Json& number) {
+    if (!number.is_number()) return false;
+    const double x = number.get<double>();
+    return x >= 0 && (x <= 1 || !property.fraction);
+  };
+  const bool all = property.numbers == 1 ? sound(value)
+                                         : value.is_array() && value.size() == property.numbers &&
+                                               std::all_of(value.begin(), value.end(), sound);
+  if (all) return absl::OkStatus();
+  return document.Error(
+      StrCat(element, ".", property.name),
+      StrCat("it must be ",
+             property.numbers == 1 ? "a number" : StrCat(property.numbers, " numbers"),
+             property.fraction ? " within 0 and 1" : " not below 0"));
+}
+
+/// tinygltf takes what has a wrong type for what is not there.
+absl::Status CheckMaterials(const GltfDocument& document, const Json& json) {
+  if (!json.contains("materials") || !json["materials"].is_array()) return absl::OkStatus();
+  int index = -1;
+  for (const Json& material : json["materials"]) {
+    const std::string name = ElementName("materials", ++index), pbr = "pbrMetallicRoughness";
+    if (!material.is_object()) return document.Error(name, "it must be an object");
+    for (const Property& property :
+         {Property{"emissiveFactor", 3, false}, Property{"alphaCutoff", 1, false}})
+      STRATA_RETURN_IF_ERROR(CheckNumbers(document, material, property, name));
+    for (const Property& property : {Property{"baseColorFactor", 4}, Property{"metallicFactor"},
+                                     Property{"roughnessFactor"}}) {
+      if (material.contains(pbr))
+        STRATA_RETURN_IF_ERROR(
+            CheckNumbers(document, material[pbr], property, StrCat(name, ".", pbr)));
+    }
+    if (material.contains("doubleSided") && !material["doubleSided"].is_boolean())
+      return document.Error(name + ".doubleSided", "it must be true or false");
+    if (!material.contains("alphaMode")) continue;
+    const Json& mode = material["alphaMode"];
+    if (mode != "OPAQUE" && mode != "MASK" && mode != "BLEND")
+      return document.Error(name + ".alphaMode", "it must be OPAQUE, MASK or BLEND");
+  }
+  return absl::OkStatus();
+}
+
 /// The .glb with other JSON.
 std::string WithJson(std::string_view glb, std::string json, size_t old_json_size) {
   while (json.size() % 4 != 0) json += ' ';
@@ -166,6 +220,7 @@ absl::StatusOr<PlainGltf> MakePlain(const GltfDocument& document, std::string by
   Json json = Json::parse(text, nullptr, /*allow_exceptions=*/false);
   if (!json.is_object()) return PlainGltf{std::move(bytes), {}};
   STRATA_RETURN_IF_ERROR(CheckMinVersion(document, json));
+  STRATA_RETURN_IF_ERROR(CheckMaterials(document, json));
   bool changed = MakeIntegers(json);
   changed |= NameMissingMatrices(json);
   STRATA_RETURN_IF_ERROR(MakeUrisPlain(document, json, "buffers", "application/octet-stream",

@@ -20,8 +20,8 @@ struct PlainGltf {
 };
 
 /// Of the bytes of a .gltf, or of a .glb if `binary`; those of which the JSON cannot be read stay
-/// as they are. INVALID_ARGUMENT where a data URI is not in base64, or the file asks for a later
-/// glTF.
+/// as they are. INVALID_ARGUMENT where a data URI is not in base64, a factor of a material is not
+/// what it must be, or the file asks for a later glTF.
 absl::StatusOr<PlainGltf> MakePlain(const GltfDocument& document, std::string bytes, bool binary);
 
 /// The JSON of a .glb, as long as its header says (glTF 2.0, 4.4); all of a .gltf.
