@@ -11,7 +11,6 @@ namespace strata {
 struct BaseLanes {
   MaskLanes bare = {}, coated = {};
   RgbLanes reflectance;  ///< Where no texture has it.
-  TextureSet::BegunLanes textured;
 };
 
 /// What is looked for: bare bases of constant reflectance alone, or those with
@@ -20,9 +19,10 @@ struct BaseSearch {
   bool textures = false;  ///< textures.
 };
 
-/// Of the lanes in `mask`.
+/// Of the lanes in `mask`. If textures are looked for, their look-ups are begun in `textured`.
 inline BaseLanes FindBases(const MaterialSet& materials, const TextureSet& textures,
-                           const SurfaceLanes& surfaces, MaskLanes mask, BaseSearch search) {
+                           const SurfaceLanes& surfaces, MaskLanes mask, BaseSearch search,
+                           TextureSet::BegunLanes* textured) {
   constexpr int32_t kStride = sizeof(BaseRow) / sizeof(float);
   const BaseRow* rows = materials.base_rows().data();
   const RowLanes row = GatherRows(&rows->reflectance.r, surfaces.material * kStride, mask);
@@ -32,24 +32,25 @@ inline BaseLanes FindBases(const MaterialSet& materials, const TextureSet& textu
   BaseLanes lanes = {base & ~coat, MaskLanes{}, {row.v[0], row.v[1], row.v[2]}};
   if (search.coats) lanes.coated = base & coat;
   if (!search.textures) return lanes;
-  const MaskLanes textured = (lanes.bare | lanes.coated) & ((flags & BaseRow::kTexture) != 0);
-  if (!Any(textured)) return lanes;
+  textured->lanes = (lanes.bare | lanes.coated) & ((flags & BaseRow::kTexture) != 0);
+  if (!Any(textured->lanes)) return lanes;
   static_assert(sizeof(TextureId) == sizeof(float));
   const float* texture_row = &rows->alpha_x;
   const IntLanes texture = reinterpret_cast<IntLanes>(
-      GatherRows(texture_row, surfaces.material * kStride, textured).v[3]);
-  lanes.textured = textures.Begin(texture, surfaces.uv, textured);
+      GatherRows(texture_row, surfaces.material * kStride, textured->lanes).v[3]);
+  *textured = textures.Begin(texture, surfaces.uv, textured->lanes);
   return lanes;
 }
 
-/// The reflectances of bases that were found.
-inline RgbLanes ReflectancesOf(const BaseLanes& bases, const TextureSet& textures, Vec3Lanes p) {
-  if (!Any(bases.textured.lanes)) return bases.reflectance;
-  const RgbLanes found = textures.Finish(bases.textured, p);
+/// The reflectances of bases, of which some were begun to be looked up; `plain` those of the
+/// others.
+inline RgbLanes FinishReflectances(const TextureSet::BegunLanes& textured,
+                                   const TextureSet& textures, Vec3Lanes p, RgbLanes plain) {
+  if (!Any(textured.lanes)) return plain;
+  const RgbLanes found = textures.Finish(textured, p);
   // Not a number stays that, to be counted as the defect it is.
   const auto clamp = [](FloatLanes v) { return Min(Max(v, FloatLanes{}), SameFloat(1)); };
-  return Select(bases.textured.lanes, {clamp(found.r), clamp(found.g), clamp(found.b)},
-                bases.reflectance);
+  return Select(textured.lanes, {clamp(found.r), clamp(found.g), clamp(found.b)}, plain);
 }
 
 }  // namespace strata

@@ -131,12 +131,12 @@ class PathLanes {
     const MaskLanes last = depth_ == settings_.max_depth;
     MaskLanes going = found & ~(last & (depth_ > 0));
     if (!Any(going)) return alive;
-    const BaseLanes bases = FindBsdfs(hits, going);
+    FindBsdfs(hits, going);
     // The choice of a light takes half of it, roulette the other.
     if (ChoosesLights()) u_select_ = Get2D(kPairSelect, going);
     LightSampleLanes light;
     const MaskLanes lit = SampleLights(going & ~last, &light);
-    MakeBases(bases, going);
+    MakeBases(going);
     going &= ~last;
     if (!Any(going)) return alive;
     StartGuides(going);
@@ -182,12 +182,14 @@ class PathLanes {
   }
 
   /// All but the reflectances of bases, which may still be on their way from memory.
-  BaseLanes FindBsdfs(const HitLanes& hits, MaskLanes mask) {
+  void FindBsdfs(const HitLanes& hits, MaskLanes mask) {
     const Vec3Lanes wo = -ray_.direction;
     const MaskLanes seen = Dot(surface_.ns, wo) * Dot(surface_.ng, wo) > 0;
     frame_ = FrameLanes::FromNormal(Select(seen, surface_.ns, surface_.ng));
-    const BaseLanes bases = FindBases(scene_.materials(), scene_.textures(), surface_, mask,
-                                      {.coats = HasCoats(), .textures = HasBaseTextures()});
+    const BaseLanes bases =
+        FindBases(scene_.materials(), scene_.textures(), surface_, mask,
+                  {.coats = HasCoats(), .textures = HasBaseTextures()}, &textured_);
+    reflectance_ = bases.reflectance;
     lambertian_ = bases.bare;
     coated_ = bases.coated;
     receiver_.one_sided = mask;
@@ -199,11 +201,11 @@ class PathLanes {
     if constexpr ((kHas & kOtherMaterials) != 0) wo_ = frame_.ToLocal(wo);
     receiver_.p = surface_.p;
     receiver_.n = Select(wo_z_ < 0, -frame_.z, frame_.z);
-    return bases;
   }
 
-  void MakeBases(const BaseLanes& bases, MaskLanes mask) {
-    reflectance_ = ReflectancesOf(bases, scene_.textures(), surface_.p);
+  void MakeBases(MaskLanes mask) {
+    if (HasBaseTextures())
+      reflectance_ = FinishReflectances(textured_, scene_.textures(), surface_.p, reflectance_);
     ForEachLane(OtherMaterials(mask), [&](int lane) {
       const auto* diffuse = std::get_if<DiffuseBsdf>(bsdf_[lane]);
       if (!diffuse) return;
@@ -416,6 +418,7 @@ class PathLanes {
   // How it scatters: as Lambert says, by reflectance_; by that under coat_; or by bsdf_.
   MaskLanes lambertian_ = {}, coated_ = {};
   RgbLanes reflectance_;
+  TextureSet::BegunLanes textured_;  ///< Whose reflectances are on their way.
   CoatedDiffuseLanes coat_;
   std::array<const Bsdf*, kLanes> bsdf_ = {};
   Vec3Lanes wo_;                          ///< Local.
