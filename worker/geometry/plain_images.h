@@ -73,11 +73,12 @@ class PlainImages {
     alignas(32) float corners[4][3][kLanes];
     const Indices at(begun);
     ForEachLane(begun.lanes, [&](int lane) {
-      const auto [texels, table] = images_[at.id[lane]];
-      const size_t right = static_cast<size_t>(texels->channels), below = right * texels->width;
+      const Image& image = images_[at.id[lane]];
+      const ImageTexels& texels = *image.texels;
+      const size_t right = static_cast<size_t>(texels.channels), below = right * texels.width;
       const size_t first = size_t(at.texel[lane]) * right;
       const auto read = [&](int corner, size_t i) {
-        const Rgb color = texels->At(i, *table);
+        const Rgb color = texels.At(i, *image.table);
         corners[corner][0][lane] = color.r;
         corners[corner][1][lane] = color.g;
         corners[corner][2][lane] = color.b;

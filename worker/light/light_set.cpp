@@ -186,7 +186,7 @@ LightSet::ChoiceLanes LightSet::Select(const LightReceiverLanes& receivers, Vec2
       in_tree[lane] = groups[lane]->light == Group::kTree ? -1 : 0;
     });
   } else {
-    const DoubleLanes high = ToDouble(u.x), low = ToDouble(u.y);
+    const DoubleLanes high = ToDoubleLanes(u.x), low = ToDoubleLanes(u.y);
     for (int i = 0; i < 2; ++i) rest.half[i] = high.half[i] + kLowBits * low.half[i];
   }
   ChoiceLanes choices = {};

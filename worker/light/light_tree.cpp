@@ -64,11 +64,11 @@ struct PickedLanes {
 PickedLanes Pick(const DoubleLanes& u, const std::array<FloatLanes, 4>& weights) {
   std::array<Picked<Doubles4>, 2> picked;
   for (int half = 0; half < 2; ++half) {
-    const auto of = [&](int i) { return ToDouble(weights[i]).half[half]; };
+    const auto of = [&](int i) { return ToDoubleLanes(weights[i]).half[half]; };
     picked[half] = Pick<Doubles4>(u.half[half], {of(0), of(1), of(2), of(3)});
   }
   const auto both = [&](Doubles4 Picked<Doubles4>::*member) {
-    return ToFloat({{picked[0].*member, picked[1].*member}});
+    return ToFloatLanes({{picked[0].*member, picked[1].*member}});
   };
   const FloatLanes weight = both(&Picked<Doubles4>::weight);
   return {ToInt(both(&Picked<Doubles4>::place)),
@@ -199,7 +199,7 @@ LightTree::ChoiceLanes LightTree::Select(const LightReceiverLanes& receivers, co
   DoubleLanes stretched;
   for (int half = 0; half < 2; ++half) stretched.half[half] = Stretch(u.half[half]);
   const WalkLanes start = Start(points, stretched);
-  choices.u = ToFloat(start.u);
+  choices.u = ToFloatLanes(start.u);
   choices.probability = start.probability > 0 ? WithEvenChoices(start.probability) : FloatLanes{};
   std::array<Walk, kLanes> walks;
   unsigned walking = 0;
@@ -212,7 +212,7 @@ LightTree::ChoiceLanes LightTree::Select(const LightReceiverLanes& receivers, co
     walking |= 1u << lane;
   });
   // Those whose number chooses among all alike; rounding may add some to them.
-  ForEachLane(mask & (ToFloat(u) <= static_cast<float>(kEvenChoices)), [&](int lane) {
+  ForEachLane(mask & (ToFloatLanes(u) <= static_cast<float>(kEvenChoices)), [&](int lane) {
     double number = u.Get(lane);
     const std::optional<Choice> choice = ChooseEvenly(receivers.Get(lane), &number);
     if (!choice) return;

@@ -59,10 +59,10 @@ struct DoubleLanes {
 inline Floats4 HalfOf(FloatLanes v, int half) {
   return half == 0 ? _mm256_castps256_ps128(v) : _mm256_extractf128_ps(v, 1);
 }
-inline FloatLanes ToFloat(const DoubleLanes& v) {
+inline FloatLanes ToFloatLanes(const DoubleLanes& v) {
   return _mm256_set_m128(_mm256_cvtpd_ps(v.half[1]), _mm256_cvtpd_ps(v.half[0]));
 }
-inline DoubleLanes ToDouble(FloatLanes v) {
+inline DoubleLanes ToDoubleLanes(FloatLanes v) {
   return {{__builtin_convertvector(HalfOf(v, 0), Doubles4),
            __builtin_convertvector(HalfOf(v, 1), Doubles4)}};
 }
