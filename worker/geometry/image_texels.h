@@ -45,9 +45,8 @@ struct ImageTexels {
   static ImageTexels AlphaFrom(const ImageFile& file);
 
   size_t Offset(int x, int y) const { return (static_cast<size_t>(y) * width + x) * channels; }
-  /// Asks memory for what starts at an offset. By hand: gcc 12 takes a function that does nothing
-  /// but
-  /// __builtin_prefetch for one without effect, and leaves it out.
+  /// Asks memory for what starts at an offset. By hand: gcc 12 takes a function that does no more
+  /// than __builtin_prefetch for one without effect, and leaves it out.
   void Fetch(size_t i) const {
     const void* at = codes.empty() ? static_cast<const void*>(&values[i]) : &codes[i];
     asm volatile("prefetcht0 (%0)" : : "r"(at));
