@@ -65,6 +65,30 @@ TEST(RouletteTest, KindsAgree) {
   }
 }
 
+/// Where paths see a bright wall first, a weak lamp is worth few shadow rays, and loses nothing.
+TEST(RouletteTest, ShadowRaysThatCanAddLittleAreSeldomTraced) {
+  TestScene scene;
+  scene.Sphere({0, 0, 0}, 1, scene.Diffuse(0.5f), Emits(1), true);
+  scene.Light(PointLightDescription{{0, 0, 0}, Rgb::Gray(0.04f * kPi)});
+  scene.Camera({0.3f, 0.2f, -0.1f}, {0, 0, 1}, 70);
+  // Lights chosen by what they give would all add alike.
+  const auto built =
+      BuildScene(scene, DirectorySource("."), {.selection = LightSelection::kUniform});
+  JobSpec spec = TestSpec(16, 512, 1);
+  const double truth = 1 + 0.5 + 0.02;
+  for (const KernelKind kernel : {KernelKind::kFast, KernelKind::kReference}) {
+    spec.kernel = kernel;
+    spec.roulette = RouletteKind::kOff;
+    const Partial all = RenderFrame(built, spec);
+    ExpectMean(all, truth, 0.005);
+    spec.roulette = RouletteKind::kThroughput;
+    const Partial played = RenderFrame(built, spec);
+    ExpectMean(played, truth, 0.005);
+    // Half of the light samples are of the lamp.
+    EXPECT_LT(static_cast<double>(Rays(played)), 0.9 * static_cast<double>(Rays(all)));
+  }
+}
+
 TEST(RouletteTest, TheMapCoversTheFrameAndItsCellsAreItsPixels) {
   for (const auto& [width, height] : {std::pair{1, 1}, {7, 300}, {129, 64}, {65536, 40}}) {
     RouletteMap map(width, height, 0.5f);

@@ -25,6 +25,7 @@ struct PathSettings {
   /// Throughput from which on a path surely goes on; 0: no roulette. At a half variance times time
   /// is near its least on the shared scenes (docs/performance.md).
   float sure_survival = 0.5f;
+  float sure_shadow = kSureShadow;  ///< 0: no roulette for shadow rays.
   bool first_hit = false;  ///< Whether PathSample::hit and what follows it is wanted,
   bool albedo = false;     ///< and of that the albedo.
 };
@@ -54,7 +55,9 @@ struct DirectSample {
   LightSample light;
   Rgb f;  ///< BSDF times cosine.
   float bsdf_pdf = 0;
-  float weight = 1;  ///< Of MIS.
+  float weight = 1;    ///< Of MIS.
+  float survival = 1;  ///< Of the shadow ray's roulette.
+  bool traced = true;  ///< Whether it survived.
   bool blocked = false;
 };
 
@@ -264,12 +267,27 @@ class PathTracer {
       if (guided_) direct.bsdf_pdf = guide_.MixedPdf(direct.bsdf_pdf, light->wi);
       direct.weight = PowerHeuristic(light_pdf, direct.bsdf_pdf);
     }
-    ++result_.rays;
-    direct.blocked = path_detail::IsBlocked(scene_.geometry(), vertex.point, *light, time, ray_id);
-    const Rgb contribution =
-        direct.blocked ? Rgb{} : beta_ * direct.f * light->radiance * (direct.weight / light_pdf);
+    Rgb contribution = beta_ * direct.f * light->radiance * (direct.weight / light_pdf);
+    ShadowRoulette(depth, &direct, &contribution);
+    if (direct.traced) {
+      ++result_.rays;
+      direct.blocked =
+          path_detail::IsBlocked(scene_.geometry(), vertex.point, *light, time, ray_id);
+    }
+    if (direct.blocked || !direct.traced) contribution = {};
     result_.radiance += contribution;
     observer_.OnLight(direct, contribution);
+  }
+
+  /// Russian roulette of a light sample that can add little. By the complement of the path's own
+  /// number: both expectations are right whatever they share, and seldom do both end.
+  void ShadowRoulette(int depth, DirectSample* direct, Rgb* contribution) const {
+    const float sure = settings_.sure_shadow * MaxComponent(result_.radiance);
+    const float most = MaxComponent(*contribution);
+    if (!(most < sure)) return;
+    direct->survival = SurvivalProbability(most, sure);
+    direct->traced = 1 - Get2D(depth, kPairSelect).y < direct->survival;
+    *contribution *= 1 / direct->survival;
   }
 
   /// Chooses the next direction. False when the path ends here.

@@ -133,7 +133,7 @@ class PathLanes {
     if (!Any(going)) return alive;
     FindBsdfs(hits, going);
     // The choice of a light takes half of it, roulette the other.
-    if (ChoosesLights()) u_select_ = Get2D(kPairSelect, going);
+    u_select_ = Get2D(kPairSelect, going);
     LightSampleLanes light;
     const MaskLanes lit = SampleLights(going & ~last, &light);
     MakeBases(going);
@@ -314,6 +314,9 @@ class PathLanes {
       bsdf_pdf[lane] = guides_[lane].MixedPdf(bsdf_pdf[lane], sample.wi.Get(lane));
     });
     const FloatLanes weight = sample.delta ? SameFloat(1) : PowerHeuristic(sample.pdf, bsdf_pdf);
+    RgbLanes contribution = beta_ * f * sample.radiance * (weight / sample.pdf);
+    mask = ShadowRoulette(mask, &contribution);
+    if (!Any(mask)) return;
     rays_ -= mask;
     RayLanes shadow;
     if (HasAlpha()) SetRayIds(&shadow, Get2D(kPairLight, mask), true, mask);
@@ -322,8 +325,17 @@ class PathLanes {
     shadow.time = ray_.time;
     shadow.t_max = sample.infinite ? shadow.t_max : SameFloat(path_detail::kShadowEnd);
     mask &= ~Occluded(scene_.geometry(), shadow, mask);
-    radiance_ =
-        Select(mask, radiance_ + beta_ * f * sample.radiance * (weight / sample.pdf), radiance_);
+    radiance_ = Select(mask, radiance_ + contribution, radiance_);
+  }
+
+  MaskLanes ShadowRoulette(MaskLanes mask, RgbLanes* contribution) const {
+    const FloatLanes sure = settings_.sure_shadow * MaxComponent(radiance_);
+    const FloatLanes most = MaxComponent(*contribution);
+    const MaskLanes plays = mask & (most < sure);
+    if (!Any(plays)) return mask;
+    const FloatLanes survival = SurvivalProbability(most, sure);
+    *contribution = Select(plays, *contribution * (1 / survival), *contribution);
+    return mask & (~plays | (1 - u_select_.y < survival));
   }
 
   /// Chooses the next directions; returns the lanes that have one.
@@ -390,7 +402,6 @@ class PathLanes {
     const MaskLanes plays = mask & (depth_ >= 1) & (throughput < sure_survival_);
     if (!Any(plays)) return mask;
     const FloatLanes survival = SurvivalProbability(throughput, sure_survival_);
-    if (!ChoosesLights()) u_select_ = Get2D(kPairSelect, plays);
     const MaskLanes survives = u_select_.y < survival;
     beta_ = Select(plays, beta_ * (1 / survival), beta_);
     return mask & (~plays | survives);

@@ -44,8 +44,14 @@ class ReplayObserver {
                           direct.choice.light, direct.choice.probability, Text(direct.light.wi),
                           Text(direct.light.radiance), direct.light.pdf,
                           direct.light.delta ? " (delta)" : "", Text(direct.f), direct.bsdf_pdf,
-                          direct.weight, direct.blocked ? "blocked, adds" : "adds",
+                          direct.weight,
+                          !direct.traced   ? "adds little, roulette leaves it out,"
+                          : direct.blocked ? "blocked, adds"
+                                           : "adds",
                           Text(contribution));
+    if (direct.survival < 1)
+      absl::StrAppendFormat(text_, "    roulette of the shadow ray: survival %.6g\n",
+                            direct.survival);
   }
   void OnBsdf(const std::optional<BsdfSample>& sample, Vec3f wi_world) {
     if (!sample) {

@@ -27,8 +27,8 @@ class PilotObserver {
     ++rays_;
   }
   void OnEmission(uint32_t, Rgb radiance, float weight) { Find(beta_ * radiance * weight); }
-  void OnLight(const DirectSample&, Rgb contribution) {
-    ++rays_;
+  void OnLight(const DirectSample& direct, Rgb contribution) {
+    if (direct.traced) ++rays_;
     Find(contribution);
   }
   void OnBsdf(const std::optional<BsdfSample>& sample, Vec3f) {

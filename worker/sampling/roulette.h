@@ -38,4 +38,10 @@ inline FloatLanes SurvivalProbability(FloatLanes throughput, FloatLanes sure) {
   return Max(throughput / sure, SameFloat(kMinSurvival));
 }
 
+/// Shadow rays are surely traced where what they may add, if nothing is in the way, is at least
+/// this part of what the path has found so far. The others survive with SurvivalProbability(what
+/// they may add, this part of what was found): each adds to the square of what was found at most
+/// 1/64 of it, and so to the variance (docs/decisions.md has what other parts gave).
+inline constexpr float kSureShadow = 0.25f;
+
 }  // namespace strata

@@ -17,7 +17,7 @@ enum BouncePair : uint32_t {
   kPairBsdf = 0,    ///< Direction.
   kPairLobe = 1,    ///< x: lobe; y: material of a mix.
   kPairLight = 2,   ///< Point on the light.
-  kPairSelect = 3,  ///< x: which light; y: Russian roulette.
+  kPairSelect = 3,  ///< x: which light; y: Russian roulette, of shadow rays too.
   kPairsPerBounce = 4
 };
 
