@@ -19,7 +19,10 @@ std::string NameOf(const TextureDescription& texture) {
                                [](const ImageTexture&) { return "imagemap"; },
                                [](const ScaleTexture&) { return "scale"; },
                                [](const MixTexture&) { return "mix"; },
-                               [](const CheckerboardTexture&) { return "checkerboard"; }},
+                               [](const CheckerboardTexture&) { return "checkerboard"; },
+                               [](const BilinearTexture&) { return "bilerp"; },
+                               [](const DotsTexture&) { return "dots"; },
+                               [](const NoiseTexture&) { return "noise"; }},
                     texture);
 }
 

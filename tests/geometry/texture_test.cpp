@@ -10,6 +10,7 @@
 
 #include "common/image_file.h"
 #include "tests/statistics/random.h"
+#include "worker/geometry/noise.h"
 
 // Look-ups against values worked out by hand, with pbrt-v4's conventions.
 
@@ -142,10 +143,12 @@ TEST(Textures, EightAtOnceAreWhatEachIs) {
                 ImageTexture{.path = "image.exr", .wrap = ImageWrap::kMirror},
                 ImageTexture{.path = "image.png", .wrap_t = ImageWrap::kClamp},
                 ImageTexture{"dot.png"}, ImageTexture{"image.png", {1, 1, 0, 0, 0.5f, 0}},
-                ImageTexture{.path = "image.png", .scalar = true}},
+                ImageTexture{.path = "image.png", .scalar = true},
+                BilinearTexture{{0, 1, 8, 9}, {}}, DotsTexture{0, 1, {3, 3}}, NoiseTexture{}},
                folder);
   for (const TextureId id : {4, 7}) EXPECT_FALSE(set->NeedsFirstUvOnly(id));
-  const std::array<TextureId, 14> ids = {0, 1, 2, 3, 5, 6, 8, 9, 10, 11, 12, 13, 14, kNoTexture};
+  const std::array<TextureId, 17> ids = {0,  1,  2,  3,  5,  6,  8,  9,         10,
+                                         11, 12, 13, 14, 15, 16, 17, kNoTexture};
   for (const TextureId id : ids) EXPECT_TRUE(set->NeedsFirstUvOnly(id));
   TestRandom random(1);
   const MaskLanes mask = {-1, -1, 0, -1, -1, -1, 0, -1};
@@ -157,10 +160,11 @@ TEST(Textures, EightAtOnceAreWhatEachIs) {
       uv.x[lane] = 4 * random.Float() - 1.5f;
       uv.y[lane] = i % 7 == 0 ? 0.25f * static_cast<float>(lane) : 4 * random.Float() - 1.5f;
     }
-    const RgbLanes found = set->Finish(set->Begin(id, uv, mask), {});
+    const Vec3Lanes p = {uv.y, uv.x, uv.x + uv.y};
+    const RgbLanes found = set->Finish(set->Begin(id, uv, mask), p);
     ForEachLane(mask, [&](int lane) {
       const Vec2f at = {uv.x[lane], uv.y[lane]};
-      EXPECT_EQ(found.Get(lane), set->Eval(static_cast<TextureId>(id[lane]), at, {}))
+      EXPECT_EQ(found.Get(lane), set->Eval(static_cast<TextureId>(id[lane]), at, p.Get(lane)))
           << id[lane] << " at " << at.x << " " << at.y;
     });
   }
@@ -223,6 +227,21 @@ TEST(Textures, Checkerboards) {
   EXPECT_EQ(set->Eval(3, {}, {0.25f, 0.75f, 0.25f}).r, 2);
   EXPECT_EQ(set->Eval(3, {}, {0.25f, 0.75f, -0.25f}).r, 1);
   EXPECT_EQ(set->Eval(3, {}, {0.75f, 0.75f, 0.75f}).r, 2);
+}
+
+TEST(Textures, PatternsOfConstantsAreNotConstant) {
+  const auto set = MustLoad(
+      {ConstantTexture{Rgb::Gray(1)}, ConstantTexture{{2, 4, 8}}, ConstantTexture{Rgb::Gray(3)},
+       BilinearTexture{{0, 1, 2, 0}, {2, 1, 0, 0}}, DotsTexture{0, 1, {10, 10}},
+       NoiseTexture{.octaves = 1, .world_to_texture = Transform::Scale(2, 2, 2)}});
+  for (const TextureId id : {3, 4, 5}) EXPECT_FALSE(set->IsConstant(id));
+  EXPECT_EQ(set->Eval(3, {}, {}), Rgb::Gray(1));
+  EXPECT_EQ(set->Eval(3, {0.5f, 0}, {}), (Rgb{2, 4, 8}));
+  EXPECT_EQ(set->Eval(3, {0, 1}, {}), Rgb::Gray(3));
+  EXPECT_EQ(set->Eval(3, {0.25f, 0.5f}, {}).g, 0.25f * (1 + 4 + 3 + 1));
+  EXPECT_EQ(set->Eval(4, {0.05f, 0.05f}, {}), (Rgb{2, 4, 8})) << "the border of a dot's cell";
+  EXPECT_FLOAT_EQ(set->Eval(5, {}, {0.2f, 0.3f, 0.4f}).g,
+                  static_cast<float>(Noise({0.4f, 0.6f, 0.8f})));
 }
 
 TEST(Textures, CyclesAndMissingPartsAreErrors) {

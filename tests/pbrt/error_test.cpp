@@ -139,14 +139,20 @@ INSTANTIATE_TEST_SUITE_P(
 INSTANTIATE_TEST_SUITE_P(
     Surfaces, MistakeTest,
     testing::Values(
-        InWorld("OtherTextureClass", "Texture \"t\" \"float\" \"fbm\"", 2, "is not supported"),
+        InWorld("OtherTextureClass", "Texture \"t\" \"float\" \"ptex\"", 2, "is not supported"),
         InWorld("OtherTextureType", "Texture \"t\" \"vector\" \"constant\"", 2,
                 "float or spectrum"),
-        InWorld("TextureTwice",
-                "Texture \"t\" \"float\" \"constant\"\nTexture \"t\" \"float\" \"constant\"", 3,
-                "twice"),
+        InWorld("Octaves", "Texture \"t\" \"float\" \"fbm\" \"integer octaves\" 33", 2, "0 to 32"),
         InWorld("UnknownTexture", "Material \"diffuse\"\n\"texture reflectance\" \"t\"", 3,
                 "no spectrum texture \"t\""),
+        InWorld("TextureOfALaterOne",
+                "Texture \"a\" \"float\" \"scale\"\n\"texture tex\" \"b\"\n"
+                "Texture \"b\" \"float\" \"constant\"",
+                3, "before it is part of another"),
+        InWorld("LaterTextureOfOtherKind",
+                "Material \"diffuse\" \"texture reflectance\" \"t\"\n"
+                "Texture \"t\" \"float\" \"constant\"",
+                2, "is no spectrum texture"),
         InWorld("FloatForSpectrum",
                 "Texture \"t\" \"float\" \"constant\"\n"
                 "Material \"diffuse\" \"texture reflectance\" \"t\"",
@@ -178,10 +184,6 @@ INSTANTIATE_TEST_SUITE_P(
         InWorld("NegativeRoughness", "Material \"dielectric\" \"float roughness\" -1", 2,
                 "negative"),
         InWorld("UndefinedMaterial", "\nNamedMaterial \"m\"", 3, "\"m\" is not defined"),
-        InWorld("MaterialTwice",
-                "MakeNamedMaterial \"m\" \"string type\" \"diffuse\"\n"
-                "MakeNamedMaterial \"m\" \"string type\" \"diffuse\"",
-                3, "twice"),
         InWorld("MaterialWithoutType", "MakeNamedMaterial \"m\"", 2, "string type"),
         InWorld("MixOfOne", "Material \"mix\" \"string materials\" \"a\"", 2, "two names"),
         InWorld("MixOfItself",

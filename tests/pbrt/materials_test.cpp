@@ -188,6 +188,95 @@ TEST(Textures, AreReadWithAllTheirParameters) {
   EXPECT_TRUE(scene->warnings.empty());
 }
 
+TEST(Textures, OfPatternsHaveTheirParameters) {
+  const PbrtScene scene = Read(R"(WorldBegin
+    Translate 0 2 0
+    Texture "a" "float" "fbm" "integer octaves" 3 "float roughness" 0.7
+    Texture "b" "float" "windy"
+    Texture "c" "spectrum" "marble" "float scale" 2 "float variation" 0.4
+    Texture "d" "spectrum" "dots" "rgb inside" [ 1 0 0 ] "float uscale" 4
+    Texture "e" "spectrum" "bilerp" "rgb v10" [ 0 1 0 ]
+    Texture "f" "float" "wrinkled"
+    Material "ashikhminshirley" "texture reflectance" "c" "texture specular" "d"
+      "texture uexponent" "a" "texture vexponent" "b" Shape "sphere"
+    Material "coateddiffuse" "texture reflectance" "e" "texture roughness" "f" Shape "sphere")");
+  const auto& textures = scene.scene.textures;
+  const auto noise = [&](NoiseTexture::Kind kind) {
+    for (const TextureDescription& texture : textures) {
+      const auto* found = std::get_if<NoiseTexture>(&texture);
+      if (found && found->kind == kind) return *found;
+    }
+    ADD_FAILURE() << "no noise of kind " << static_cast<int>(kind);
+    return NoiseTexture{};
+  };
+  using Kind = NoiseTexture::Kind;
+  EXPECT_EQ(noise(Kind::kFbm).octaves, 3);
+  EXPECT_EQ(noise(Kind::kFbm).roughness, 0.7f);
+  EXPECT_EQ(noise(Kind::kFbm).world_to_texture, Transform::Translate(0, -2, 0));
+  EXPECT_EQ(noise(Kind::kWindy).world_to_texture, Transform::Translate(0, -2, 0));
+  EXPECT_EQ(noise(Kind::kMarble).scale, 2);
+  EXPECT_EQ(noise(Kind::kMarble).variation, 0.4f);
+  EXPECT_EQ(noise(Kind::kWrinkled).octaves, 8);
+  bool dots = false, bilinear = false;
+  for (const TextureDescription& texture : textures) {
+    const auto value = [&](TextureId id) { return std::get<ConstantTexture>(textures[id]).value; };
+    if (const auto* d = std::get_if<DotsTexture>(&texture)) {
+      dots = true;
+      EXPECT_EQ(value(d->inside), (Rgb{1, 0, 0}));
+      EXPECT_EQ(value(d->outside), Rgb{});
+      EXPECT_EQ(d->mapping.su, 4);
+    }
+    if (const auto* b = std::get_if<BilinearTexture>(&texture)) {
+      bilinear = true;
+      EXPECT_EQ(value(b->corners[0]), Rgb{});
+      EXPECT_EQ(value(b->corners[1]), (Rgb{0, 1, 0}));
+      EXPECT_EQ(value(b->corners[2]), Rgb::Gray(1));
+    }
+  }
+  EXPECT_TRUE(dots && bilinear);
+  EXPECT_TRUE(scene.warnings.empty());
+}
+
+TEST(Textures, MayBeDefinedAfterTheMaterialsThatNameThem) {
+  const PbrtScene scene = Read(R"(WorldBegin
+    Material "diffuse" "texture reflectance" "late"
+    Shape "sphere" "texture alpha" "holes"
+    Texture "inner" "spectrum" "constant" "rgb value" [ 0.1 0.2 0.3 ]
+    Texture "late" "spectrum" "scale" "texture tex" "inner" "float scale" 0.5
+    Texture "holes" "float" "checkerboard")");
+  const auto& textures = scene.scene.textures;
+  const auto scale = std::get<ScaleTexture>(
+      textures.at(static_cast<size_t>(MaterialOf<DiffuseMaterial>(scene).reflectance)));
+  EXPECT_EQ(std::get<ConstantTexture>(textures.at(static_cast<size_t>(scale.texture))).value,
+            (Rgb{0.1f, 0.2f, 0.3f}));
+  EXPECT_TRUE(std::holds_alternative<CheckerboardTexture>(
+      textures.at(static_cast<size_t>(scene.scene.shapes.at(0).alpha.texture))));
+  EXPECT_TRUE(scene.warnings.empty());
+}
+
+TEST(Names, OfTexturesAndMaterialsAreReplacedFromTheirSecondDefinitionOn) {
+  const PbrtScene scene = Read(R"(WorldBegin
+    Texture "t" "spectrum" "constant" "rgb value" [ 0.1 0.1 0.1 ]
+    MakeNamedMaterial "m" "string type" "diffuse" "texture reflectance" "t"
+    NamedMaterial "m" Shape "sphere"
+    Texture "t" "spectrum" "constant" "rgb value" [ 0.2 0.2 0.2 ]
+    MakeNamedMaterial "m" "string type" "diffuse" "texture reflectance" "t"
+    NamedMaterial "m" Shape "sphere")");
+  const auto gray = [&](size_t shape) {
+    const MaterialId id = scene.scene.shapes.at(shape).material;
+    const auto diffuse =
+        std::get<DiffuseMaterial>(scene.scene.materials.at(static_cast<size_t>(id)));
+    return std::get<ConstantTexture>(
+               scene.scene.textures.at(static_cast<size_t>(diffuse.reflectance)))
+        .value.r;
+  };
+  EXPECT_EQ(gray(0), 0.1f);
+  EXPECT_EQ(gray(1), 0.2f);
+  ASSERT_EQ(scene.warnings.size(), 2u);
+  EXPECT_EQ(scene.warnings[0].where.line, 5);
+  EXPECT_NE(scene.warnings[1].text.find("defined again"), std::string::npos);
+}
+
 TEST(Textures, OfOtherFiltersWarn) {
   SceneFolder folder;
   folder.Write("a.png", "");

@@ -9,8 +9,10 @@
 #include <variant>
 
 #include "worker/geometry/image_texels.h"
+#include "worker/geometry/noise.h"
 #include "worker/geometry/plain_images.h"
 #include "worker/math/vec3d.h"
+#include "worker/scene/references.h"
 
 namespace strata {
 namespace {
@@ -24,7 +26,8 @@ struct ImageNode {
   bool invert = false, nearest = false, scalar = false, second_uv = false;
   int channel = -1;  ///< 0 to 2, or -1 for all.
 };
-using TextureNode = std::variant<Rgb, ImageNode, ScaleTexture, MixTexture, CheckerboardTexture>;
+using TextureNode = std::variant<Rgb, ImageNode, ScaleTexture, MixTexture, CheckerboardTexture,
+                                 BilinearTexture, DotsTexture, NoiseTexture>;
 
 Vec2f Map(const UvMapping& mapping, Vec2f uv) {
   Vec2f st = {mapping.su * uv.x + mapping.du, mapping.sv * uv.y + mapping.dv};
@@ -117,12 +120,15 @@ bool IsFirstCell(const CheckerboardTexture& checkerboard, Vec2f uv, Vec3f p) {
 }
 
 std::vector<TextureId> ChildrenOf(const TextureDescription& texture) {
-  if (const auto* scale = std::get_if<ScaleTexture>(&texture))
-    return {scale->texture, scale->scale};
-  if (const auto* mix = std::get_if<MixTexture>(&texture)) return {mix->a, mix->b, mix->amount};
-  if (const auto* checkerboard = std::get_if<CheckerboardTexture>(&texture))
-    return {checkerboard->a, checkerboard->b};
-  return {};
+  std::vector<TextureId> children;
+  ForEachInput(texture, [&](TextureId child) { children.push_back(child); });
+  return children;
+}
+
+/// Whether it is the same everywhere where what it is made of is.
+bool AddsNoPattern(const TextureDescription& texture) {
+  return std::holds_alternative<ScaleTexture>(texture) ||
+         std::holds_alternative<MixTexture>(texture);
 }
 
 }  // namespace
@@ -158,8 +164,16 @@ Rgb TextureSet::State::Eval(TextureId id, SurfaceUv uv, Vec3f p) const {
     if (amount == 1) return Eval(mix->b, uv, p);
     return (1 - amount) * Eval(mix->a, uv, p) + amount * Eval(mix->b, uv, p);
   }
-  const auto& checkerboard = std::get<CheckerboardTexture>(node);
-  return Eval(IsFirstCell(checkerboard, uv.first, p) ? checkerboard.a : checkerboard.b, uv, p);
+  if (const auto* checkerboard = std::get_if<CheckerboardTexture>(&node))
+    return Eval(IsFirstCell(*checkerboard, uv.first, p) ? checkerboard->a : checkerboard->b, uv, p);
+  if (const auto* bilinear = std::get_if<BilinearTexture>(&node)) {
+    const auto corner = [&](size_t i) { return Eval(bilinear->corners[i], uv, p); };
+    return Bilinear(corner(0), corner(1), corner(2), corner(3), Map(bilinear->mapping, uv.first));
+  }
+  if (const auto* dots = std::get_if<DotsTexture>(&node))
+    return Eval(IsInDot(Map(dots->mapping, uv.first)) ? dots->inside : dots->outside, uv, p);
+  const auto& noise = std::get<NoiseTexture>(node);
+  return EvalNoise(noise, noise.world_to_texture.Point(ToDouble(p)));
 }
 
 /// Of images a pixel, of others pbrt-v4's step; of what is made of others the smallest of theirs.
@@ -332,16 +346,16 @@ absl::StatusOr<std::unique_ptr<TextureSet>> TextureSet::Load(
   for (const TextureId id : order) {
     TextureNode& node = state.nodes[id];
     const TextureDescription& texture = textures[id];
-    if (const auto* constant = std::get_if<ConstantTexture>(&texture)) {
-      node = constant->value;
-    } else if (const auto* image = std::get_if<ImageTexture>(&texture)) {
+    if (const auto* image = std::get_if<ImageTexture>(&texture)) {
       STRATA_ASSIGN_OR_RETURN(node, loader.LoadImage(*image, &state.images, &state.tables));
-    } else if (const auto* scale = std::get_if<ScaleTexture>(&texture)) {
-      node = *scale;
-    } else if (const auto* mix = std::get_if<MixTexture>(&texture)) {
-      node = *mix;
     } else {
-      node = std::get<CheckerboardTexture>(texture);
+      std::visit(
+          [&](const auto& t) {
+            using T = std::remove_cvref_t<decltype(t)>;
+            if constexpr (std::is_same_v<T, ConstantTexture>) node = t.value;
+            if constexpr (std::is_constructible_v<TextureNode, T>) node = t;
+          },
+          texture);
     }
     const std::vector<TextureId> children = ChildrenOf(texture);
     state.steps[id] = state.StepOf(node, children);
@@ -350,10 +364,8 @@ absl::StatusOr<std::unique_ptr<TextureSet>> TextureSet::Load(
                           std::any_of(children.begin(), children.end(), [&](TextureId child) {
                             return child != kNoTexture && state.second_uv[child];
                           });
-    if (!children.empty() &&
-        std::all_of(children.begin(), children.end(),
-                    [&](TextureId c) { return state.IsConstant(c); }) &&
-        !std::holds_alternative<CheckerboardTexture>(texture))
+    if (AddsNoPattern(texture) && std::all_of(children.begin(), children.end(),
+                                              [&](TextureId c) { return state.IsConstant(c); }))
       node = state.Eval(id, {}, {});
   }
   for (size_t id = 0; id < textures.size(); ++id) {

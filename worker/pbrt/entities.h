@@ -21,6 +21,8 @@ namespace strata {
 // ---- textures ----
 
 /// Adds textures to the scene and knows the names under which the file defines them.
+/// Adds textures to the scene. Materials and shapes may name one before its definition, as in
+/// pbrt-v4; other textures may not.
 class TextureTable {
  public:
   explicit TextureTable(ReadContext& context) : context_(context) {}
@@ -44,11 +46,29 @@ class TextureTable {
   TextureId NormalMap(ParameterReader& parameters, std::string_view name);
   /// Where the parameter is a constant, its value.
   std::optional<Rgb> ConstantValue(TextureId id) const;
+  /// An error for names that were used but never defined.
+  absl::Status CheckAllDefined() const;
 
  private:
+  struct Named {
+    TextureId id = kNoTexture;
+    SourceLocation first_use;
+    bool defined = false;
+  };
+  using Names = absl::flat_hash_map<std::string, Named>;
+
   TextureId Add(TextureDescription texture, int depth);
-  TextureId Named(ParameterReader& parameters, const Parameter& parameter,
-                  const absl::flat_hash_map<std::string, TextureId>& names, std::string_view kind);
+  /// The texture that a parameter names, of the kind that `names` has.
+  TextureId Find(ParameterReader& parameters, const Parameter& parameter, Names& names);
+  absl::Status NoSuchTexture(const std::string& name, const Names& names,
+                             const SourceLocation& where) const;
+  const Names& OtherThan(const Names& names) const {
+    return &names == &floats_ ? spectra_ : floats_;
+  }
+  /// What Define adds, unnamed.
+  absl::StatusOr<TextureId> AddOfClass(const std::string& texture_class, bool scalar,
+                                       const Transform& world_from_texture,
+                                       std::string_view color_space, ParameterReader& parameters);
   /// "scale" of a scale texture: a number or, as in pbrt-v3 and if not `scalar`, a colour.
   TextureId Factor(ParameterReader& parameters, bool scalar, std::string_view color_space);
   /// One more than the deepest of the inputs; an error beyond what evaluation may recurse.
@@ -56,7 +76,8 @@ class TextureTable {
   std::optional<ImageTexture> ReadImage(ParameterReader& parameters, bool scalar);
 
   ReadContext& context_;
-  absl::flat_hash_map<std::string, TextureId> floats_, spectra_;
+  Names floats_, spectra_;
+  bool defining_ = false;    ///< Within Define.
   std::vector<int> depths_;  ///< Of each texture of the scene; 1 for leaves.
 };
 

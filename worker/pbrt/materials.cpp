@@ -267,13 +267,14 @@ absl::Status MaterialTable::Define(const std::string& name, std::string_view col
                    StrCat("MakeNamedMaterial \"", name, "\" wants a \"string type\""));
   }
   const std::string type = parameters.String("type", "");
-  const auto it = named_.find(name);
-  if (it != named_.end() && it->second.defined) {
-    return ErrorAt(parameters.where(), StrCat("material \"", name, "\" is defined twice"));
-  }
   STRATA_ASSIGN_OR_RETURN(const MaterialId id, Add(type, color_space, parameters));
   Named& named = named_[name];
-  if (named.first_use.line == 0) {
+  if (named.defined) {
+    context_.Warn(parameters.where(), StrCat("material \"", name,
+                                             "\" is defined again, as only pbrt-v3 allows; what "
+                                             "follows has this one"));
+    named.id = id;
+  } else if (named.first_use.line == 0) {
     named.id = id;
   } else {
     // Used before: the slot that was reserved then becomes the definition.

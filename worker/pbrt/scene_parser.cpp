@@ -161,6 +161,7 @@ absl::Status SceneParser::Finish() {
                    StrCat("there is no object \"", context_.scene.objects[i].name,
                           "\"; define it with ObjectBegin"));
   }
+  STRATA_RETURN_IF_ERROR(textures_.CheckAllDefined());
   STRATA_RETURN_IF_ERROR(materials_.CheckAllDefined());
   DarkenInterfaces();
   return PlaceShutter();

@@ -10,6 +10,8 @@ namespace {
 
 /// Textures are evaluated by recursion; no real scene nests them nearly as deep.
 constexpr int kMaxTextureDepth = 32;
+/// The last of so many is of a billionth of the size of the first.
+constexpr int kMaxOctaves = 32;
 
 UvMapping ReadUvMapping(ParameterReader& parameters, ReadContext& context) {
   UvMapping mapping;
@@ -73,6 +75,31 @@ void ReadImageFilter(ParameterReader& parameters, ReadContext& context, ImageTex
   parameters.Float("maxanisotropy", 8);  // of EWA alone
 }
 
+std::optional<NoiseTexture::Kind> NoiseKind(std::string_view texture_class) {
+  using Kind = NoiseTexture::Kind;
+  if (texture_class == "fbm") return Kind::kFbm;
+  if (texture_class == "wrinkled") return Kind::kWrinkled;
+  if (texture_class == "windy") return Kind::kWindy;
+  if (texture_class == "marble") return Kind::kMarble;
+  return std::nullopt;
+}
+
+NoiseTexture ReadNoise(NoiseTexture::Kind kind, ParameterReader& parameters) {
+  NoiseTexture noise;
+  noise.kind = kind;
+  if (kind == NoiseTexture::Kind::kWindy) return noise;
+  noise.octaves = parameters.Integer("octaves", 8);
+  if (noise.octaves < 0 || noise.octaves > kMaxOctaves) {
+    parameters.Fail(parameters.where(), StrCat("\"integer octaves\" must be 0 to ", kMaxOctaves,
+                                               ", not ", noise.octaves));
+  }
+  noise.roughness = static_cast<float>(parameters.Float("roughness", 0.5));
+  if (kind != NoiseTexture::Kind::kMarble) return noise;
+  noise.scale = static_cast<float>(parameters.Float("scale", 1));
+  noise.variation = static_cast<float>(parameters.Float("variation", 0.2));
+  return noise;
+}
+
 }  // namespace
 
 TextureId TextureTable::Add(TextureDescription texture, int depth) {
@@ -81,28 +108,56 @@ TextureId TextureTable::Add(TextureDescription texture, int depth) {
   return static_cast<TextureId>(depths_.size() - 1);
 }
 
-TextureId TextureTable::Named(ParameterReader& parameters, const Parameter& parameter,
-                              const absl::flat_hash_map<std::string, TextureId>& names,
-                              std::string_view kind) {
-  const std::string name = parameter.strings.size() == 1 ? parameter.strings[0] : "";
-  const auto it = names.find(name);
-  if (it != names.end()) return it->second;
-  const bool of_other_kind = floats_.contains(name) || spectra_.contains(name);
-  if (of_other_kind) {
-    parameters.Fail(parameter.where, StrCat("the texture \"", name, "\" is no ", kind,
-                                            " texture; define it as \"", kind, "\""));
+absl::Status TextureTable::NoSuchTexture(const std::string& name, const Names& names,
+                                         const SourceLocation& where) const {
+  const std::string_view kind = &names == &floats_ ? "float" : "spectrum";
+  const auto other = OtherThan(names).find(name);
+  if (other != OtherThan(names).end() && other->second.defined) {
+    return ErrorAt(where, StrCat("the texture \"", name, "\" is no ", kind,
+                                 " texture; define it as \"", kind, "\""));
+  }
+  return ErrorAt(where,
+                 StrCat("there is no ", kind, " texture \"", name, "\"; define it with Texture",
+                        defining_ ? " before it is part of another" : ""));
+}
+
+TextureId TextureTable::Find(ParameterReader& parameters, const Parameter& parameter,
+                             Names& names) {
+  if (parameter.strings.size() != 1) {
+    parameters.Fail(parameter.where, "a texture parameter wants one name");
     return kNoTexture;
   }
-  parameters.Fail(parameter.where, StrCat("there is no ", kind, " texture \"", name,
-                                          "\" so far; define it with Texture before it is used"));
-  return kNoTexture;
+  const std::string& name = parameter.strings[0];
+  const auto it = names.find(name);
+  if (it != names.end() && (it->second.defined || !defining_)) return it->second.id;
+  const auto other = OtherThan(names).find(name);
+  if (defining_ || (other != OtherThan(names).end() && other->second.defined)) {
+    parameters.Fail(NoSuchTexture(name, names, parameter.where));
+    return kNoTexture;
+  }
+  const TextureId reserved = Add(MixTexture{}, 1);  // until it is defined
+  names[name] = {reserved, parameter.where, false};
+  return reserved;
+}
+
+absl::Status TextureTable::CheckAllDefined() const {
+  absl::Status status;
+  int line = 0;
+  for (const Names* names : {&floats_, &spectra_}) {
+    for (const auto& [name, named] : *names) {
+      if (named.defined || (!status.ok() && named.first_use.line >= line)) continue;
+      status = NoSuchTexture(name, *names, named.first_use);
+      line = named.first_use.line;
+    }
+  }
+  return status;
 }
 
 TextureId TextureTable::Float(ParameterReader& parameters, std::string_view name,
                               std::optional<float> fallback) {
   const Parameter* parameter = parameters.Take(name);
   if (parameter && parameter->type == "texture") {
-    return Named(parameters, *parameter, floats_, "float");
+    return Find(parameters, *parameter, floats_);
   }
   if (!parameter && !fallback) return kNoTexture;
   const double value = parameters.Float(name, fallback.value_or(0));
@@ -114,7 +169,7 @@ TextureId TextureTable::Color(ParameterReader& parameters, std::string_view name
                               std::string_view color_space) {
   const Parameter* parameter = parameters.Take(name);
   if (parameter && parameter->type == "texture") {
-    return Named(parameters, *parameter, spectra_, "spectrum");
+    return Find(parameters, *parameter, spectra_);
   }
   if (!parameter && !fallback) return kNoTexture;
   const Rgb color =
@@ -190,6 +245,73 @@ std::optional<ImageTexture> TextureTable::ReadImage(ParameterReader& parameters,
   return image;
 }
 
+absl::StatusOr<TextureId> TextureTable::AddOfClass(const std::string& texture_class, bool scalar,
+                                                   const Transform& world_from_texture,
+                                                   std::string_view color_space,
+                                                   ParameterReader& parameters) {
+  const SourceLocation where = parameters.where();
+  const auto value = [&](std::string_view parameter, float fallback) {
+    return scalar ? Float(parameters, parameter, fallback)
+                  : Color(parameters, parameter, Rgb::Gray(fallback), SpectrumUse::kUnbounded,
+                          color_space);
+  };
+  const auto world_to_texture = [&]() -> absl::StatusOr<Transform> {
+    const std::optional<Transform> inverse = world_from_texture.Inverse();
+    if (!inverse) return ErrorAt(where, "the texture's transform cannot be inverted");
+    return *inverse;
+  };
+  if (texture_class == "constant") return value("value", 1);
+  if (texture_class == "scale") {
+    const TextureId texture = value("tex", 1);
+    const ScaleTexture scale{texture, Factor(parameters, scalar, color_space)};
+    return Add(scale, DepthOver(parameters, {scale.texture, scale.scale}));
+  }
+  if (texture_class == "mix") {
+    const MixTexture mix{value("tex1", 0), value("tex2", 1), Float(parameters, "amount", 0.5f)};
+    return Add(mix, DepthOver(parameters, {mix.a, mix.b, mix.amount}));
+  }
+  if (texture_class == "checkerboard") {
+    CheckerboardTexture checkerboard;
+    const int dimension = parameters.Integer("dimension", 2);
+    if (dimension != 2 && dimension != 3) {
+      parameters.Fail(where, "\"integer dimension\" must be 2 or 3");
+    }
+    checkerboard.a = value("tex1", 1);
+    checkerboard.b = value("tex2", 0);
+    checkerboard.solid = dimension == 3;
+    if (checkerboard.solid) {
+      STRATA_ASSIGN_OR_RETURN(checkerboard.world_to_texture, world_to_texture());
+    } else {
+      checkerboard.mapping = ReadUvMapping(parameters, context_);
+    }
+    return Add(checkerboard, DepthOver(parameters, {checkerboard.a, checkerboard.b}));
+  }
+  if (texture_class == "bilerp") {
+    BilinearTexture bilinear;
+    bilinear.corners = {value("v00", 0), value("v10", 0), value("v01", 1), value("v11", 1)};
+    bilinear.mapping = ReadUvMapping(parameters, context_);
+    const auto& [a, b, c, d] = bilinear.corners;
+    return Add(bilinear, DepthOver(parameters, {a, b, c, d}));
+  }
+  if (texture_class == "dots") {
+    const DotsTexture dots{value("inside", 1), value("outside", 0),
+                           ReadUvMapping(parameters, context_)};
+    return Add(dots, DepthOver(parameters, {dots.inside, dots.outside}));
+  }
+  if (const std::optional<NoiseTexture::Kind> kind = NoiseKind(texture_class)) {
+    NoiseTexture noise = ReadNoise(*kind, parameters);
+    STRATA_ASSIGN_OR_RETURN(noise.world_to_texture, world_to_texture());
+    return Add(noise, 1);
+  }
+  if (texture_class == "imagemap") {
+    std::optional<ImageTexture> image = ReadImage(parameters, scalar);
+    return image ? Add(*std::move(image), 1) : kNoTexture;
+  }
+  return ErrorAt(where, StrCat("Texture class \"", texture_class,
+                               "\" is not supported; use constant, imagemap, scale, mix, "
+                               "checkerboard, bilerp, dots, fbm, wrinkled, windy or marble"));
+}
+
 absl::Status TextureTable::Define(const std::string& name, const std::string& value_type,
                                   const std::string& texture_class,
                                   const Transform& world_from_texture, std::string_view color_space,
@@ -200,54 +322,32 @@ absl::Status TextureTable::Define(const std::string& name, const std::string& va
     return ErrorAt(where, StrCat("Texture \"", name, "\" has the unknown type \"", value_type,
                                  "\"; use float or spectrum"));
   }
-  auto& names = scalar ? floats_ : spectra_;
-  if (names.contains(name)) {
-    return ErrorAt(where, StrCat("Texture \"", name, "\" is defined twice"));
-  }
-  const auto value = [&](std::string_view parameter, float fallback) {
-    return scalar ? Float(parameters, parameter, fallback)
-                  : Color(parameters, parameter, Rgb::Gray(fallback), SpectrumUse::kUnbounded,
-                          color_space);
-  };
-
-  TextureId id = kNoTexture;
-  if (texture_class == "constant") {
-    id = value("value", 1);
-  } else if (texture_class == "scale") {
-    const TextureId texture = value("tex", 1);
-    const ScaleTexture scale{texture, Factor(parameters, scalar, color_space)};
-    id = Add(scale, DepthOver(parameters, {scale.texture, scale.scale}));
-  } else if (texture_class == "mix") {
-    const MixTexture mix{value("tex1", 0), value("tex2", 1), Float(parameters, "amount", 0.5f)};
-    id = Add(mix, DepthOver(parameters, {mix.a, mix.b, mix.amount}));
-  } else if (texture_class == "checkerboard") {
-    CheckerboardTexture checkerboard;
-    const int dimension = parameters.Integer("dimension", 2);
-    if (dimension != 2 && dimension != 3) {
-      parameters.Fail(where, "\"integer dimension\" must be 2 or 3");
-    }
-    checkerboard.a = value("tex1", 1);
-    checkerboard.b = value("tex2", 0);
-    checkerboard.solid = dimension == 3;
-    if (checkerboard.solid) {
-      const std::optional<Transform> inverse = world_from_texture.Inverse();
-      if (!inverse) return ErrorAt(where, "the texture's transform cannot be inverted");
-      checkerboard.world_to_texture = *inverse;
-    } else {
-      checkerboard.mapping = ReadUvMapping(parameters, context_);
-    }
-    id = Add(checkerboard, DepthOver(parameters, {checkerboard.a, checkerboard.b}));
-  } else if (texture_class == "imagemap") {
-    if (std::optional<ImageTexture> image = ReadImage(parameters, scalar)) {
-      id = Add(*std::move(image), 1);
-    }
-  } else {
-    return ErrorAt(where, StrCat("Texture class \"", texture_class,
-                                 "\" is not supported; use constant, imagemap, scale, mix or "
-                                 "checkerboard"));
-  }
+  std::vector<TextureDescription>& textures = context_.scene.textures;
+  const size_t before = textures.size();
+  defining_ = true;
+  const absl::StatusOr<TextureId> id =
+      AddOfClass(texture_class, scalar, world_from_texture, color_space, parameters);
+  defining_ = false;
+  STRATA_RETURN_IF_ERROR(id.status());
   STRATA_RETURN_IF_ERROR(parameters.Finish(context_.warnings));
-  names.emplace(name, id);
+  Named& named = (scalar ? floats_ : spectra_)[name];
+  if (named.defined) {
+    context_.Warn(where, StrCat("Texture \"", name,
+                                "\" is defined again, as only pbrt-v3 allows; what follows has "
+                                "this one"));
+  }
+  if (named.id == kNoTexture || named.defined) {
+    named.id = *id;
+  } else {
+    // Used before: the slot that was reserved then becomes the definition.
+    textures[named.id] = textures[*id];
+    depths_[named.id] = depths_[*id];
+    if (static_cast<size_t>(*id) >= before) {
+      textures.pop_back();
+      depths_.pop_back();
+    }
+  }
+  named.defined = true;
   return absl::OkStatus();
 }
 

@@ -90,8 +90,28 @@ struct CheckerboardTexture {
   bool solid = false;          ///< 3-D: cells of unit size in texture space.
   Transform world_to_texture;  ///< For `solid`.
 };
+/// The corners (0, 0), (1, 0), (0, 1) and (1, 1) of texture space, bilinearly between and beyond.
+struct BilinearTexture {
+  std::array<TextureId, 4> corners = {kNoTexture, kNoTexture, kNoTexture, kNoTexture};
+  UvMapping mapping;
+};
+/// `inside` in random dots, of which two in five unit cells of texture space have one.
+struct DotsTexture {
+  TextureId inside = kNoTexture, outside = kNoTexture;
+  UvMapping mapping;
+};
+/// Noise of a point in texture space; see worker/geometry/noise.h.
+struct NoiseTexture {
+  enum class Kind { kFbm, kWrinkled, kWindy, kMarble };
+  Kind kind = Kind::kFbm;
+  int octaves = 8;                    ///< 0 to 32; not of kWindy.
+  float roughness = 0.5f;             ///< By how much each octave is weaker; not of kWindy.
+  float scale = 1, variation = 0.2f;  ///< Of kMarble: of space, and of the noise.
+  Transform world_to_texture;
+};
 using TextureDescription =
-    std::variant<ConstantTexture, ImageTexture, ScaleTexture, MixTexture, CheckerboardTexture>;
+    std::variant<ConstantTexture, ImageTexture, ScaleTexture, MixTexture, CheckerboardTexture,
+                 BilinearTexture, DotsTexture, NoiseTexture>;
 
 // ---- materials; every parameter is a texture so that constants need no second case ----
 

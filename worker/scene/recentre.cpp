@@ -115,6 +115,8 @@ Vec3d Recentre(SceneDescription& scene) {
   for (TextureDescription& texture : scene.textures) {
     if (auto* checkerboard = std::get_if<CheckerboardTexture>(&texture))
       checkerboard->world_to_texture = checkerboard->world_to_texture * to_file;
+    if (auto* noise = std::get_if<NoiseTexture>(&texture))
+      noise->world_to_texture = noise->world_to_texture * to_file;
   }
   return origin;
 }

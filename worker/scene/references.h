@@ -93,8 +93,14 @@ void ForEachInput(Texture& texture, F f) {
         } else if constexpr (std::is_same_v<T, CheckerboardTexture>) {
           f(t.a);
           f(t.b);
+        } else if constexpr (std::is_same_v<T, BilinearTexture>) {
+          for (auto& corner : t.corners) f(corner);
+        } else if constexpr (std::is_same_v<T, DotsTexture>) {
+          f(t.inside);
+          f(t.outside);
         } else {
-          static_assert(std::is_same_v<T, ConstantTexture> || std::is_same_v<T, ImageTexture>);
+          static_assert(std::is_same_v<T, ConstantTexture> || std::is_same_v<T, ImageTexture> ||
+                        std::is_same_v<T, NoiseTexture>);
         }
       },
       texture);
