@@ -24,8 +24,8 @@ int MostIntervals(RuleKind kind, int dimensions, double evaluations);
 /// Points of the rule on one axis.
 int NodesOf(RuleKind kind, int intervals);
 
-/// How the error falls with the evaluations n: as n^-OrderOf(kind, dimensions). Gauss-Legendre has
-/// none: it falls faster than any power.
+/// How the error falls with the evaluations n: as n^-OrderOf(kind, dimensions), poorly in many
+/// dimensions (PBRT, chapter 2). Gauss-Legendre has none: it falls faster than any power.
 double OrderOf(RuleKind kind, int dimensions);
 
 }  // namespace strata::lab

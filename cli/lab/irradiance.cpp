@@ -10,9 +10,9 @@
 #include "worker/math/elementary.h"
 #include "worker/sampling/warp.h"
 
-// Irradiance at a point with its normal along z, under a round lamp of radiance 1 at height 1 in
-// whose middle the normal points: the lamp fills a cone, so that the answer is pi sin^2 of the
-// cone's angle, and every variance a closed form. At 90 degrees it is the whole sky.
+// Irradiance (PBRT 4.2) at a point with its normal along z, under a round lamp of radiance 1 at
+// height 1 in whose middle the normal points: the lamp fills a cone, so that the answer is pi sin^2
+// of the cone's angle, and every variance a closed form. At 90 degrees it is the whole sky.
 
 namespace strata::lab {
 namespace {

@@ -39,7 +39,8 @@ class CoatInterface {
   AlbedoTable reflectance_;
 };
 
-/// A dielectric layer over a base: its border above (smooth or GGX) and what it absorbs.
+/// A dielectric layer over a base (PBRT 14.3, there by random walks): its border above (smooth or
+/// GGX) and what it absorbs.
 struct Coat {
   const CoatInterface* interface = nullptr;  ///< Outlives the BSDF.
   Ggx ggx;
@@ -62,7 +63,8 @@ inline CoatDirection EnterCoat(const Coat& coat, float cos_theta) {
   return {coat.interface->RoughReflectance(cos_theta, coat.Alpha()), fresnel.cos_refracted};
 }
 
-/// What a layer of this optical depth lets through along a path of `length` times its thickness.
+/// What a layer of this optical depth lets through along a path of `length` times its thickness
+/// (PBRT 11.2).
 inline Rgb CoatTransmittance(Rgb depth, float length) {
   if (IsBlack(depth)) return Rgb::Gray(1);
   if (depth.r == depth.g && depth.g == depth.b) return Rgb::Gray(Exp(-depth.r * length));

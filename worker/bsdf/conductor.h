@@ -9,8 +9,9 @@
 
 namespace strata {
 
-/// A metal of complex index eta + i k for each channel, smooth or with GGX microfacets; the same on
-/// both sides. Light that microfacets would pass on to each other is lost (single scattering).
+/// A metal of complex index eta + i k for each channel, smooth (PBRT 9.4) or with GGX microfacets
+/// (PBRT 9.6.5); the same on both sides. Light that microfacets would pass on to each other is lost
+/// (single scattering).
 struct ConductorBsdf {
   Rgb eta, k;
   Ggx ggx;

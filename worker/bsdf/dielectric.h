@@ -9,8 +9,8 @@
 
 namespace strata {
 
-/// A border between two clear media, smooth or with GGX microfacets (Walter et al. 2007): reflects
-/// and refracts. `eta` is the index of the side below (z < 0) over that above.
+/// A border between two clear media, smooth (PBRT 9.5) or with GGX microfacets (PBRT 9.7; Walter et
+/// al. 2007): reflects and refracts. `eta` is the index of the side below (z < 0) over that above.
 struct DielectricBsdf {
   float eta = 1.5f;
   Ggx ggx;

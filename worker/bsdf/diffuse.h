@@ -8,7 +8,7 @@
 
 namespace strata {
 
-/// Lambert's reflection, the same on both sides.
+/// Lambert's reflection, the same on both sides (PBRT 9.2).
 struct DiffuseBsdf {
   Rgb reflectance;
 };

@@ -8,8 +8,8 @@
 
 namespace strata {
 
-/// Lambert's reflection on the side of the viewer and the like through to the other side. Their sum
-/// is the caller's to keep at or below 1.
+/// Lambert's reflection (PBRT 9.2) on the side of the viewer and the like through to the other
+/// side. Their sum is the caller's to keep at or below 1.
 struct DiffuseTransmissionBsdf {
   Rgb reflectance, transmittance;
 

@@ -7,7 +7,8 @@
 
 namespace strata {
 
-/// What a smooth border between two dielectrics does to unpolarized light, once or eight times.
+/// What a smooth border between two dielectrics does to unpolarized light (PBRT 9.3.5), once or
+/// eight times.
 template <typename Float>
 struct DielectricFresnelOf {
   Float reflectance;    ///< The rest is transmitted.
@@ -31,7 +32,7 @@ DielectricFresnelOf<Float> FresnelDielectric(Float cos_incident, Float eta) {
 }
 
 /// Reflectance of a metal of index eta + i k (both relative to the medium before it), one channel
-/// (Born and Wolf, Principles of Optics, 14.2). `cos_incident` in [0, 1].
+/// (Born and Wolf, Principles of Optics, 14.2; PBRT 9.3.6). `cos_incident` in [0, 1].
 inline float FresnelConductor(float cos_incident, float eta, float k) {
   const float cos2 = cos_incident * cos_incident;
   const float sin2 = 1 - cos2;

@@ -9,9 +9,9 @@
 namespace strata {
 
 /// Trowbridge-Reitz (GGX) microfacets with Smith's height-correlated masking (Heitz 2014, JCGT
-/// 3(2)), one or eight side by side. Directions are local; only |z| of a direction matters unless
-/// stated. Where the field divides by cosines these functions do not, so that grazing directions
-/// are harmless.
+/// 3(2); PBRT 9.6), one or eight side by side. Directions are local; only |z| of a direction
+/// matters unless stated. Where the field divides by cosines these functions do not, so that
+/// grazing directions are harmless.
 template <typename Float>
 struct GgxOf {
   using Vec2 = typename VectorsOf<Float>::Vec2;
@@ -28,7 +28,7 @@ struct GgxOf {
   /// Below this the surface is treated as a mirror.
   auto IsSmooth() const { return Max(alpha_x, alpha_y) < 1e-3f; }
 
-  /// Density of microfacet normals; unit m.
+  /// Density of microfacet normals (PBRT 9.6.1); unit m.
   Float D(Vec3 m) const {
     const Float x = m.x / alpha_x, y = m.y / alpha_y;
     const Float e = x * x + y * y + m.z * m.z;
@@ -54,7 +54,7 @@ struct GgxOf {
   }
 
   /// A normal visible from `wo` (wo.z >= 0), with density VisibleNormalPdf: a point of a spherical
-  /// cap of the stretched configuration (Dupuy and Benyoub 2023, CGF 42(8)).
+  /// cap of the stretched configuration (Dupuy and Benyoub 2023, CGF 42(8); by a disk PBRT 9.6.4).
   Vec3 SampleVisibleNormal(Vec3 wo, Vec2 u) const {
     const Vec3 v = Normalize(Vec3{alpha_x * wo.x, alpha_y * wo.y, wo.z});
     // The half vector's z is kept apart: as z + v.z it would cancel at grazing angles.

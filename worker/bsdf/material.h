@@ -21,7 +21,8 @@ struct BsdfRoom {
   MixtureParts parts;
 };
 
-/// All materials of a scene, ready to be evaluated. Immutable after Build, so thread-safe.
+/// All materials of a scene, ready to be evaluated (PBRT 10.5). Immutable after Build, so
+/// thread-safe.
 class MaterialSet {
  public:
   /// `textures` outlives the set. INVALID_ARGUMENT with the material's index when a parameter is

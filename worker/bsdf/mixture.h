@@ -9,9 +9,9 @@ namespace strata {
 struct MixtureParts;
 
 /// A weighted sum of BSDFs. A direction is drawn from one of them, chosen by weight and albedo, and
-/// weighed by the density of all: one-sample MIS with the balance heuristic (Veach 1997, 9.2.4),
-/// whose variance no other weights undercut by more than a little. Delta parts, which have no
-/// density to share, count alone.
+/// weighed by the density of all: one-sample MIS with the balance heuristic (Veach 1997, 9.2.4;
+/// PBRT 2.2.3), whose variance no other weights undercut by more than a little. Delta parts, which
+/// have no density to share, count alone.
 struct MixtureBsdf {
   const MixtureParts* parts = nullptr;  ///< Outlives the BSDF.
 };

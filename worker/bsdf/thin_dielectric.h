@@ -9,7 +9,7 @@
 namespace strata {
 
 /// A pane of clear glass so thin that light leaves it where it came in; reflections between its two
-/// faces are summed.
+/// faces are summed (PBRT 9.5.1).
 struct ThinDielectricBsdf {
   float eta = 1.5f;
 

@@ -9,8 +9,9 @@
 namespace strata {
 
 /// The mean of f(cosine of wo to m, wi) G2 / G1 over the normals m visible from the cosine in a GGX
-/// surface, wi = wo mirrored about m, by a midpoint rule over the unit square, where the integrands
-/// are smooth: with f = Fresnel's reflectance it is the directional albedo of the surface.
+/// surface (PBRT 9.6.4), wi = wo mirrored about m, by a midpoint rule over the unit square, where
+/// the integrands are smooth: with f = Fresnel's reflectance it is the directional albedo of the
+/// surface.
 template <typename Function>
 float MeanOverVisibleNormals(float cos_theta, float alpha, int steps, const Function& f) {
   const Ggx ggx = {alpha, alpha};

@@ -7,11 +7,13 @@
 
 namespace strata {
 
+/// The same intensity in all directions (PBRT 12.2).
 struct PointLight {
   Vec3f position;
   Rgb intensity;
 };
 
+/// Parallel light from infinitely far away (PBRT 12.3).
 struct DistantLight {
   Vec3f direction;  ///< Unit, from the scene towards the light.
   Rgb irradiance;   ///< On a surface that faces it.

@@ -11,11 +11,12 @@
 #include "worker/sampling/warp.h"
 #include "worker/scene/file_source.h"
 
-// Light from infinitely far away in all directions. `direction` is world space and unit, from the
-// scene outwards.
+// Light from infinitely far away in all directions (PBRT 12.5). `direction` is world space and
+// unit, from the scene outwards.
 
 namespace strata {
 
+/// The same radiance from everywhere (PBRT 12.5.1).
 struct ConstantEnvironment {
   Rgb radiance;
 };
@@ -33,10 +34,11 @@ inline std::optional<LightSample> SampleLi(const ConstantEnvironment& light, Vec
   return sample;
 }
 
-/// Pixels of constant radiance over the sphere. As pbrt-v4 does, the look-up takes the nearest
-/// pixel. They are sampled by their luminance or, `compensated`, by what it has above the mean: the
-/// rest, which is alike from everywhere, is left to BSDF sampling, without which the sum of both is
-/// not complete (MIS compensation: Karlik et al. 2019, 4.1). A constant image has nothing above.
+/// Pixels of constant radiance over the sphere (PBRT 12.5.2). As pbrt-v4 does, the look-up takes
+/// the nearest pixel. They are sampled by their luminance or, `compensated`, by what it has above
+/// the mean: the rest, which is alike from everywhere, is left to BSDF sampling, without which the
+/// sum of both is not complete (MIS compensation: Karlik et al. 2019, 4.1). A constant image has
+/// nothing above.
 struct EnvironmentImage {
   /// Reads the image of `light` through `source`. INVALID_ARGUMENT with its path when it does not
   /// fit its mapping, holds negative or non-finite values, or has a transform that shears.

@@ -14,7 +14,8 @@
 #include "worker/light/textured_light.h"
 #include "worker/light/triangle_light.h"
 
-// All that emits. Each kind is a plain struct with free inline functions in a header of its own:
+// All that emits (PBRT 12.1). Each kind is a plain struct with free inline functions in a header of
+// its own:
 //
 //   std::optional<LightSample> SampleLi(const X&, Vec3f from, Vec2f u)
 //   float PdfLi(const X&, Vec3f from, const EmissionHit&)    emissive surfaces

@@ -10,9 +10,9 @@
 
 namespace strata {
 
-/// A parallelogram that emits the same radiance from every point: two triangles of a mesh as one
-/// light. A rectangle that is near is sampled uniformly by the solid angle it fills, anything else
-/// uniformly by area.
+/// A parallelogram that emits the same radiance from every point (PBRT 12.4): two triangles of a
+/// mesh as one light. A rectangle that is near is sampled uniformly by the solid angle it fills
+/// (PBRT 6.6.2), anything else uniformly by area.
 struct QuadLight {
   Vec3f corner, edge1, edge2;
   Vec3f ng;       ///< Unit, of the emitting side.

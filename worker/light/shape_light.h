@@ -8,7 +8,7 @@
 
 namespace strata {
 
-/// Any other emissive shape, sampled over its area through the geometry that holds it.
+/// Any other emissive shape (PBRT 12.4), sampled over its area through the geometry that holds it.
 struct ShapeLight {
   const Geometry* geometry = nullptr;
   OtherEmitter shape;

@@ -8,7 +8,8 @@
 
 namespace strata {
 
-/// A triangle that emits the same radiance from every point, sampled uniformly by area.
+/// A triangle that emits the same radiance from every point (PBRT 12.4), sampled uniformly by area
+/// (PBRT 6.5.4).
 struct TriangleLight {
   Vec3f p0, edge1, edge2;
   Vec3f ng;       ///< Unit, of the emitting side.

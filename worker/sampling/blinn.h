@@ -6,8 +6,8 @@
 #include "worker/sampling/warp.h"
 
 // Half vectors about z with density in proportion to cos^n(theta), the lobe of Blinn (1977, "Models
-// of Light Reflection for Computer Synthesized Pictures"); n >= 0. By solid angle; that of the
-// reflected direction is HalfVectorToReflectedPdf of it.
+// of Light Reflection for Computer Synthesized Pictures"; PBRT 2nd ed. 8.4.2); n >= 0. By solid
+// angle; that of the reflected direction is HalfVectorToReflectedPdf of it.
 
 namespace strata {
 

@@ -56,7 +56,8 @@ class LatinHypercubeSampler : public BlockSampler {
 };
 
 /// No two points nearer than kPoissonDistance, where the square's opposite edges meet: one of
-/// kPoissonPatterns patterns found by throwing darts, turned, mirrored and shifted at random.
+/// kPoissonPatterns patterns found by throwing darts (PBRT 2nd ed., chapter 7), turned, mirrored
+/// and shifted at random.
 class PoissonDiskSampler : public BlockSampler {
  public:
   explicit PoissonDiskSampler(const SampleKey& key) : BlockSampler(key) {}

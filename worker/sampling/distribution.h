@@ -9,7 +9,8 @@
 
 namespace strata {
 
-/// A density on [0, 1) that is constant in each of n cells of equal width, sampled by inversion.
+/// A density on [0, 1) that is constant in each of n cells of equal width, sampled by inversion
+/// (PBRT A.4.7).
 ///
 /// Random numbers are multiples of 2^-24, so probabilities are too: each cell owns a whole number
 /// of the 2^24 points, at least one if its weight is positive. Density and samples agree exactly,
@@ -75,8 +76,8 @@ class PiecewiseConstant1D {
   uint32_t guide_shift_ = 0;
 };
 
-/// The same on the unit square: rows by their sums (y), then a cell of the row (x). Its tables take
-/// 4 bytes a cell.
+/// The same on the unit square (PBRT A.5.5): rows by their sums (y), then a cell of the row (x).
+/// Its tables take 4 bytes a cell.
 class PiecewiseConstant2D {
  public:
   /// One cell.

@@ -2,9 +2,9 @@
 
 #include <cstdint>
 
-// Pieces of scrambled Sobol' points. Fractions are 32-bit integers times 2^-32; "reversed" words
-// have their bits in the opposite order: bit 0 is the first binary digit. There a scramble in which
-// each digit depends on those before it is made of additions and multiplications.
+// Pieces of scrambled Sobol' points (PBRT 8.7). Fractions are 32-bit integers times 2^-32;
+// "reversed" words have their bits in the opposite order: bit 0 is the first binary digit. There a
+// scramble in which each digit depends on those before it is made of additions and multiplications.
 //
 // Word is uint32_t or a vector of them.
 
@@ -37,7 +37,7 @@ constexpr Word ReverseBits(Word v) {
 }
 
 /// Nested uniform scramble of a reversed fraction: a bijection whose bit k depends on the bits up
-/// to k alone. The hash of N. Vegdahl, "Building a Better LK Hash" (2021).
+/// to k alone (PBRT 8.7.2). The hash of N. Vegdahl, "Building a Better LK Hash" (2021).
 template <typename Word>
 constexpr Word OwenScrambleReversed(Word v, Word seed) {
   v ^= v * 0x3d20adeau;

@@ -8,7 +8,8 @@
 namespace strata {
 
 /// A density on [0, 1) that is linear between n + 1 nodes at equal distances, sampled by inversion:
-/// a cell by PiecewiseConstant1D, and with what is left of u a point of the linear piece.
+/// a cell by PiecewiseConstant1D (PBRT A.4.7), and with what is left of u a point of the linear
+/// piece (PBRT 2.3.2).
 class PiecewiseLinear1D {
  public:
   /// 2 to 2^20 + 1 values at the nodes, finite and not negative; all zero is uniform.

@@ -38,8 +38,8 @@ struct SampleKey {
 
 /// Points of one replicate of one pixel. Values are in [0, 1), multiples of 2^-24.
 /// Padded two-dimensional Owen-scrambled Sobol' points: in each pair the index is shuffled and both
-/// coordinates scrambled by hashes of the key and the pair (Burley 2020, JCGT 9(4), with the hash
-/// of Vegdahl 2021). Any prefix of 2^k points is a (0, k, 2)-net in each pair.
+/// coordinates scrambled by hashes of the key and the pair (PBRT 8.7.5; Burley 2020, JCGT 9(4),
+/// with the hash of Vegdahl 2021). Any prefix of 2^k points is a (0, k, 2)-net in each pair.
 ///
 /// The four pairs of a bounce are made at once in one vector and kept: a sampler belongs to one
 /// thread.
@@ -109,7 +109,7 @@ class SobolSampler {
   mutable Floats values_ = {};  ///< x of the block's pairs, then y.
 };
 
-/// Independent uniform numbers from a counter-based hash of the same key.
+/// Independent uniform numbers (PBRT 8.4) from a counter-based hash of the same key.
 class IndependentSampler {
  public:
   explicit IndependentSampler(const SampleKey& key) : key_(key.Hash()) {}

@@ -6,8 +6,8 @@ namespace strata {
 
 /// A rectangle, or eight side by side, as it is seen from a point, which is the origin of its
 /// coordinates here: x and y along the edges, z towards the point. Sampled uniformly by solid angle
-/// (Urena, Fajardo and King 2013, "An Area-Preserving Parametrization for Spherical Rectangles").
-/// The density by solid angle is 1 / solid_angle.
+/// (Urena, Fajardo and King 2013, "An Area-Preserving Parametrization for Spherical Rectangles";
+/// PBRT 6.6.2). The density by solid angle is 1 / solid_angle.
 template <typename Float>
 struct SphericalRectangleOf {
   using Vec2 = typename VectorsOf<Float>::Vec2;

@@ -7,8 +7,8 @@
 namespace strata {
 
 /// Weights of the first two corners of a triangle, uniform by area, by the square-root map (Turk
-/// 1990, Graphics Gems): rows of the square end in one corner. SampleTriangle in warp.h distorts
-/// less.
+/// 1990, Graphics Gems; PBRT 3rd ed. 13.6.5): rows of the square end in one corner. SampleTriangle
+/// in warp.h distorts less.
 inline Vec2f SampleTriangleSqrt(Vec2f u) {
   const float s = std::sqrt(u.x);
   return {1 - s, u.y * s};

@@ -5,8 +5,8 @@
 #include "worker/math/vec.h"
 #include "worker/sampling/disk.h"
 
-// The way back: the point of the unit square that a map of warp.h takes to a direction, or to the
-// weights of a triangle's corners. InvertConcentricDisk is in disk.h.
+// The way back: the point of the unit square that a map of warp.h takes to a direction (PBRT A.5),
+// or to the weights of a triangle's corners (PBRT 6.5.4). InvertConcentricDisk is in disk.h.
 
 namespace strata {
 
