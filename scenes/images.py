@@ -27,9 +27,10 @@ def write_png(path, width, height, channels, pixel, bits=8):
         file.write(chunk(b"IDAT", zlib.compress(bytes(rows), 9)) + chunk(b"IEND", b""))
 
 
-def write_hdr(path, size, pixel):
-    """A flat Radiance picture (Ward 1991) of size by size; pixel(u, v) gives linear RGB, u and v in 0..1,
-    v growing downwards."""
+def write_hdr(path, size, pixel, width=None):
+    """A flat Radiance picture (Ward 1991) of size by size, or of another width; pixel(u, v) gives linear
+    RGB, u and v in 0..1, v growing downwards."""
+    width = width or size
 
     def rgbe(color):
         largest = max(color)
@@ -40,10 +41,10 @@ def write_hdr(path, size, pixel):
         return bytes([int(c * scale) for c in color] + [exponent + 128])
 
     with open(path, "wb") as file:
-        file.write(b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y %d +X %d\n" % (size, size))
+        file.write(b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y %d +X %d\n" % (size, width))
         for y in range(size):
-            for x in range(size):
-                file.write(rgbe(pixel((x + 0.5) / size, (y + 0.5) / size)))
+            for x in range(width):
+                file.write(rgbe(pixel((x + 0.5) / width, (y + 0.5) / size)))
 
 
 def equal_area_direction(u, v):

@@ -21,12 +21,15 @@ picture() {
 
 picture cornell-box/cornell-box.pbrt cornell-box/cornell-box.png --resolution 256x256 --spp 256
 picture textures/textures.pbrt textures/textures.png --resolution 320x180 --spp 256
-for name in textured spot projection goniometric portal; do
+picture textures/procedural.pbrt textures/procedural.png
+for name in textured point spot projection goniometric daylight latlong portal; do
   picture lights/$name.pbrt lights/$name.png --spp 512
 done
 picture detail/detail.pbrt detail/detail.png
 picture leaves/leaves.pbrt leaves/leaves.png
 picture lobes/lobes.pbrt lobes/lobes.png
+picture metals/anisotropic.pbrt metals/anisotropic.png --spp 512
+picture lamps/lamps.pbrt lamps/lamps.png --spp 512
 picture cameras/orthographic.pbrt cameras/orthographic.png
 picture cameras/spherical.pbrt cameras/spherical.png
 picture cameras/equalarea.pbrt cameras/equalarea.png
@@ -34,6 +37,8 @@ picture motion/motion.pbrt motion/motion.png
 picture motion/pan.pbrt motion/pan.png
 picture curves/curves.pbrt curves/curves.png
 picture subdivision/subdivision.pbrt subdivision/subdivision.png
+picture furnace/white-furnace.pbrt furnace/white-furnace.png
+picture version3/version3.pbrt version3/version3.png
 
 for sampler in sobol independent halton halton_plain stratified latin_hypercube poisson_disk drand48; do
   picture soft-shadow/soft-shadow.pbrt soft-shadow/sampler-$sampler.png --sampler $sampler --spp 128 \
@@ -46,4 +51,6 @@ done
 for roulette in throughput efficiency off; do
   picture soft-shadow/soft-shadow.pbrt soft-shadow/roulette-$roulette.png --roulette $roulette --spp 64
 done
-picture gltf/materials.gltf gltf/materials.png --resolution 480x270 --spp 256
+picture gltf/materials.gltf gltf/materials.png --resolution 400x225 --spp 512
+picture gltf/bare.gltf gltf/bare.png --resolution 384x216 --spp 256 --env scenes/lights/landscape.hdr \
+  --camera 0,1.7,7.6,0,1.0,0,30

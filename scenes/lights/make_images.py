@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Makes the images of this folder's scenes: window.png, panes of coloured glass; sky.hdr, a painted
-sky; lobes.hdr and downlight.ies, the intensities of two lamps."""
+sky; landscape.hdr, hills around a meadow; lobes.hdr and downlight.ies, the intensities of two lamps."""
 
 import math
 import os
@@ -44,6 +44,34 @@ def sky(u, v):
     return tuple(c + s * sun for c, s in zip(color, (480, 400, 280)))
 
 
+def landscape(u, v):
+    """Radiance by longitude and latitude: hills, a red barn amid the picture, a pond to its right, the sun
+    high to its left."""
+    longitude, latitude = 2 * math.pi * u, math.pi * (0.5 - v)
+    z = math.sin(latitude)
+    east, aside = longitude - math.pi, abs(longitude - math.pi)  # of the picture's middle
+    near = 0.05 + 0.03 * math.sin(5 * longitude) + 0.015 * math.sin(11 * longitude + 1)
+    far = 0.12 + 0.06 * math.sin(3 * longitude + 2) + 0.03 * math.sin(7 * longitude)
+    if aside < 0.1 and -0.02 < latitude < 0.1 + 0.6 * (0.1 - aside):
+        return (0.30, 0.05, 0.035)
+    if (east - 0.7) ** 2 / 0.16 + (latitude + 0.14) ** 2 / 0.0025 < 1:
+        return (0.30, 0.40, 0.52)
+    if latitude < near:
+        return (0.13, 0.20, 0.05) if latitude < 0 else (0.07, 0.13, 0.04)
+    if latitude < far:
+        return (0.16, 0.21, 0.27)
+    toward = math.cos(latitude) * math.cos(longitude - 0.30 * 2 * math.pi) * math.cos(0.5)
+    sun = max(0.0, toward + z * math.sin(0.5)) ** 1200
+    return tuple(c + s * sun for c, s in zip(clear_sky(z), (520, 430, 300)))
+
+
+def smooth_landscape(u, v):
+    """The mean over a pixel of 256x128."""
+    steps = (-0.375, -0.125, 0.125, 0.375)
+    colors = [landscape(u + i / 256, v + j / 128) for i in steps for j in steps]
+    return tuple(sum(channel) / len(colors) for channel in zip(*colors))
+
+
 def lobes(u, v):
     """Intensity: four petals around the axis, and a little everywhere."""
     x, y, z = equal_area_direction(u, v)
@@ -75,5 +103,6 @@ if __name__ == "__main__":
         lambda x, y: [c / 255 for c in window((x + 0.5) / WINDOW_SIZE, (y + 0.5) / WINDOW_SIZE)],
     )
     write_hdr(os.path.join(HERE, "sky.hdr"), 128, sky)
+    write_hdr(os.path.join(HERE, "landscape.hdr"), 128, smooth_landscape, 256)
     write_hdr(os.path.join(HERE, "lobes.hdr"), 64, lobes)
     write_ies("downlight.ies")
