@@ -60,6 +60,7 @@ const Table& SceneTechniques() {
       {"lights chosen uniformly", {.selection = LightSelection::kUniform}},
       {"near rectangles by area", {.solid_angle = false}},
       {"quads as two triangles", {.quads = false}},
+      {"spheres by area", {.sphere_cones = false}},
       {"environment by luminance", {.compensate = false}},
       {"no guide to mirrored lamps", {.mirrors = false}},
       {"one kernel for all scenes", {.least_kernel = false}},

@@ -13,9 +13,9 @@ std::string Dump(const Json& json) {
 /// Null where an estimate is not known.
 Json KnownJson(double estimate) { return estimate < 0 ? Json(nullptr) : Json(estimate); }
 
-/// Null where no interval is claimed.
-Json RelErrorJson(const JobStatus& status) {
-  return ClaimsInterval(status.spec.sampler) ? Json(status.rel_error) : Json(nullptr);
+/// `rel_error` is the job's or a tile's; null where no interval is claimed.
+Json RelErrorJson(const JobStatus& status, double rel_error) {
+  return ClaimsInterval(status.spec.sampler) ? Json(rel_error) : Json(nullptr);
 }
 
 /// Null for a job without a target.
@@ -44,7 +44,7 @@ Json JobJson(const JobStatus& status) {
           {"fraction", status.fraction},
           {"samples", status.samples},
           {"spp_mean", status.spp_mean},
-          {"rel_error", RelErrorJson(status)},
+          {"rel_error", RelErrorJson(status, status.rel_error)},
           {"flagged", status.flagged},
           {"nonfinite", status.nonfinite},
           {"samples_per_s", status.samples_per_second},
@@ -59,13 +59,14 @@ Json JobJson(const JobStatus& status) {
 std::string ProgressEvent(const JobStatus& status) {
   Json worst = Json::array();
   for (const TileError& tile : status.worst_tiles) {
-    worst.push_back({{"pixels", RectJson(tile.pixels)}, {"rel_error", tile.rel_error}});
+    worst.push_back(
+        {{"pixels", RectJson(tile.pixels)}, {"rel_error", RelErrorJson(status, tile.rel_error)}});
   }
   return Dump({{"event", "progress"},
                {"job", status.id},
                {"fraction", status.fraction},
                {"spp_mean", status.spp_mean},
-               {"rel_error", RelErrorJson(status)},
+               {"rel_error", RelErrorJson(status, status.rel_error)},
                {"eta_s", KnownJson(status.eta_s)},
                {"eta_low_s", KnownJson(status.eta_low_s)},
                {"eta_high_s", KnownJson(status.eta_high_s)},
@@ -89,7 +90,7 @@ std::string DoneEvent(const JobStatus& status) {
                {"spp_mean", status.spp_mean},
                {"rays", status.rays},
                {"mean_rgb", MeanJson(status)},
-               {"rel_error", RelErrorJson(status)},
+               {"rel_error", RelErrorJson(status, status.rel_error)},
                {"target_met", TargetMet(status)},
                {"target_share", status.target_share},
                {"rounds", status.rounds},

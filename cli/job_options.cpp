@@ -174,6 +174,11 @@ void AddJobOptions(CLI::App* command, JobOptions& options) {
       "NAME");
   add("--strategy", options.strategy,
       "How paths find light: mis (default), light, bsdf, cosine or uniform; to compare", "NAME");
+  add("--mis-beta", options.mis_beta,
+      "Exponent of the weights of mis: 1 is the balance heuristic, 2 the power heuristic "
+      "(default), "
+      "inf the maximum heuristic",
+      "B");
   add("--roulette", options.roulette,
       "What ends paths early: throughput (default), efficiency, or off", "NAME");
   add("--kernel", options.kernel, "fast (default), or reference: plain code, to compare with",
@@ -193,7 +198,8 @@ void AddJobOptions(CLI::App* command, JobOptions& options) {
   add("--allocation", options.allocation,
       "How samples are spread over pixels: ring (default), uniform, or greedy (biased)", "NAME");
   add("--tile", options.tile, "Edge of a tile in pixels (default 32); decides no bit", "N");
-  add("--seed", options.seed, "Another seed is another, independent render (default 0)", "S")
+  add("--seed", options.seed,
+      "Another seed is another, independent render (default 0); drand48 has 2^32 of them", "S")
       ->check(CLI::NonNegativeNumber);
   add("--frame", options.frame, "Frame number; enters the random numbers (default 0)", "F")
       ->check(CLI::NonNegativeNumber);
@@ -287,6 +293,9 @@ absl::StatusOr<JobSpec> ResolveJobSpec(const JobOptions& options, const FrameDef
     if (!strategy.ok()) return Annotate(strategy.status(), "--strategy");
     spec.strategy = *strategy;
   }
+  spec.mis_beta = options.mis_beta.value_or(spec.mis_beta);
+  if (!(spec.mis_beta >= 0))
+    return absl::InvalidArgumentError("--mis-beta must be 0 or more, or inf");
   if (options.roulette) {
     const absl::StatusOr<RouletteKind> kind = ParseRouletteKind(*options.roulette);
     if (!kind.ok()) return Annotate(kind.status(), "--roulette");

@@ -22,6 +22,7 @@ struct JobOptions {
   std::optional<std::string> resolution, crop;
   std::optional<int> max_depth;
   std::optional<std::string> sampler, strategy, roulette, kernel, filter;
+  std::optional<double> mis_beta;
   std::optional<int> tile;
   std::optional<uint64_t> seed;
   std::optional<uint32_t> frame;

@@ -109,6 +109,9 @@ struct JobSpec {
   int max_depth = 5;          ///< Bounces, as pbrt-v4's maxdepth; 0 to 100000.
   SamplerKind sampler = SamplerKind::kSobol;
   DirectStrategy strategy = DirectStrategy::kMis;
+  /// Exponent of the weights of `kMis`, 0 or more: 1 is the balance heuristic, 2 the power
+  /// heuristic, infinity the maximum heuristic (Veach 1997, 9.2).
+  double mis_beta = 2;
   RouletteKind roulette = RouletteKind::kThroughput;
   KernelKind kernel = KernelKind::kFast;
   FilterSpec filter;

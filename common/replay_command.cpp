@@ -40,6 +40,7 @@ std::string ReplayCommand(const JobSpec& spec, int x, int y, uint32_t replicate,
       spec.max_depth, ToString(spec.sampler), FilterArgument(spec.filter));
   if (spec.strategy != DirectStrategy::kMis)
     command += fmt::format(" --strategy {}", ToString(spec.strategy));
+  if (spec.mis_beta != JobSpec().mis_beta) command += fmt::format(" --mis-beta {}", spec.mis_beta);
   if (spec.roulette != RouletteKind::kThroughput)
     command += fmt::format(" --roulette {}", ToString(spec.roulette));
   return command;

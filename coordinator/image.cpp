@@ -103,6 +103,7 @@ std::vector<std::pair<std::string, std::string>> ImageMetadata(const JobStatus& 
       {"maxDepth", std::to_string(spec.max_depth)},
       {"sampler", std::string(ToString(spec.sampler))},
       {"strategy", std::string(ToString(spec.strategy))},
+      {"misBeta", fmt::format("{}", spec.mis_beta)},
       {"roulette", std::string(ToString(spec.roulette))},
       {"kernel", std::string(ToString(spec.kernel))},
       {"filter", FilterText(spec.filter)},

@@ -1,12 +1,14 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <limits>
 #include <string>
 #include <vector>
 
 #include "cli/lab/measure.h"
 #include "cli/lab/plates_scene.h"
 #include "worker/integrator/render.h"
+#include "worker/sampling/mis.h"
 
 // Veach's plates, rendered by the project's own renderer with direct light alone, and independent
 // random numbers, so that the spread of a pixel's samples is the variance of one.
@@ -19,11 +21,14 @@ constexpr int kWidth = PlatesScene::kWidth, kHeight = PlatesScene::kHeight;
 struct Strategy {
   const char* name;
   DirectStrategy direct;
+  double beta = kPower;
 };
 constexpr std::array kStrategies = {
     Strategy{"light", DirectStrategy::kLightOnly},
     Strategy{"BSDF", DirectStrategy::kBsdfOnly},
-    Strategy{"MIS", DirectStrategy::kMis},
+    Strategy{"MIS, balance", DirectStrategy::kMis, kBalance},
+    Strategy{"MIS, power", DirectStrategy::kMis},
+    Strategy{"MIS, maximum", DirectStrategy::kMis, std::numeric_limits<double>::infinity()},
 };
 
 JobSpec SpecFor(const Settings& settings) {
@@ -48,10 +53,11 @@ struct Frame {
   double seconds = 0;  ///< Of one sample.
 };
 
-absl::StatusOr<Frame> Render(const PlatesScene& plates, DirectStrategy direct,
+absl::StatusOr<Frame> Render(const PlatesScene& plates, const Strategy& strategy,
                              const Settings& settings) {
   JobSpec spec = SpecFor(settings);
-  spec.strategy = direct;
+  spec.strategy = strategy.direct;
+  spec.mis_beta = strategy.beta;
   STRATA_ASSIGN_OR_RETURN(const std::unique_ptr<Renderer> renderer,
                           Renderer::Create(plates.scene, spec));
   RenderPool pool(1);
@@ -85,7 +91,7 @@ double MeanOver(const std::vector<double>& values, const PixelRect& pixels) {
 }  // namespace
 
 absl::StatusOr<Outcome> RunMis(const Settings& settings) {
-  constexpr int kGap = 4;
+  constexpr int kGap = 4, kColumns = static_cast<int>(kStrategies.size());
   STRATA_ASSIGN_OR_RETURN(const PlatesScene plates, MakePlatesScene());
   struct Region {
     const char* name;
@@ -99,10 +105,10 @@ absl::StatusOr<Outcome> RunMis(const Settings& settings) {
   Outcome outcome;
   outcome.records.columns = {"where",   "sampling", "mean",     "standard error",
                              kVariance, kTime,      kEfficiency};
-  Picture picture = Picture::White(3 * kWidth + 2 * kGap, kHeight);
+  Picture picture = Picture::White(kColumns * kWidth + (kColumns - 1) * kGap, kHeight);
   std::array<Frame, kStrategies.size()> frames;
   for (size_t i = 0; i < kStrategies.size(); ++i) {
-    STRATA_ASSIGN_OR_RETURN(frames[i], Render(plates, kStrategies[i].direct, settings));
+    STRATA_ASSIGN_OR_RETURN(frames[i], Render(plates, kStrategies[i], settings));
     picture.Place(frames[i].means, kWidth, static_cast<int>(i) * (kWidth + kGap), 0);
   }
   for (const Region& region : regions) {
@@ -118,13 +124,14 @@ absl::StatusOr<Outcome> RunMis(const Settings& settings) {
   }
   outcome.figure = std::move(picture);
   outcome.caption =
-      "From left to right: light sampling, BSDF sampling, both by the power heuristic.";
+      "From left to right: light sampling, BSDF sampling, both by the balance, the power and the "
+      "maximum heuristic.";
   outcome.remarks = {
       "Light sampling is bad where a large lamp is mirrored in a smooth plate: hardly any of its "
       "points lies in the narrow lobe. BSDF sampling is bad where a small lamp shines on a rough "
       "plate: hardly any direction meets it.",
       "Each sample's weight goes to the strategy that was likelier to make it (PBRT 2.2.3), and "
-      "MIS is near the better of the two everywhere, for the time of both. All three agree in the "
+      "MIS is near the better of the two everywhere, for the time of both. All agree in the "
       "mean; V is that of one sample of a pixel, averaged over the pixels."};
   return outcome;
 }

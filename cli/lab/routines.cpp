@@ -123,7 +123,8 @@ void DrawPanel(const Routine& routine, RandomStream& random, int left, int top, 
 
 absl::StatusOr<Outcome> RunRoutines(const Settings& settings) {
   Outcome outcome;
-  outcome.records.columns = {"routine", "of", "mean", "truth", "standard error", kTime};
+  outcome.records.columns = {"routine",        "of",      "mean", "truth",
+                             "standard error", kVariance, kTime,  kEfficiency};
   const std::vector<Routine> routines = Routines();
   const int rows = (static_cast<int>(routines.size()) + kColumns - 1) / kColumns;
   Picture picture = Picture::White(kColumns * kSide, rows * kSide);
@@ -134,7 +135,8 @@ absl::StatusOr<Outcome> RunRoutines(const Settings& settings) {
         Measure(settings.samples, [&] { return routine.draw(random.Next2D(), random).value; });
     outcome.records.rows.push_back({std::string(routine.name), std::string(routine.value),
                                     measured.Mean(), routine.truth, measured.StandardError(),
-                                    measured.seconds});
+                                    measured.Variance(), measured.seconds,
+                                    Efficiency(measured.Variance(), measured.seconds)});
     DrawPanel(routine, random, static_cast<int>(i) % kColumns * kSide,
               static_cast<int>(i) / kColumns * kSide, &picture);
   }

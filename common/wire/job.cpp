@@ -121,6 +121,7 @@ void ToWire(const JobSpec& spec, v1::JobSpec* message, bool with_files) {
   message->set_sampler(EnumToWire(kSamplers, spec.sampler));
   message->set_kernel(EnumToWire(kKernels, spec.kernel));
   message->set_strategy(EnumToWire(kStrategies, spec.strategy));
+  message->set_mis_beta(spec.mis_beta);
   message->set_roulette(EnumToWire(kRoulettes, spec.roulette));
   v1::FilterSpec* filter = message->mutable_filter();
   filter->set_kind(EnumToWire(kFilters, spec.filter.kind));
@@ -158,6 +159,7 @@ absl::StatusOr<JobSpec> FromWire(const v1::JobSpec& message) {
   STRATA_RETURN_IF_ERROR(EnumFromWire(kKernels, message.kernel(), "spec.kernel", &spec.kernel));
   STRATA_RETURN_IF_ERROR(
       EnumFromWire(kStrategies, message.strategy(), "spec.strategy", &spec.strategy));
+  if (message.has_mis_beta()) spec.mis_beta = message.mis_beta();
   STRATA_RETURN_IF_ERROR(
       EnumFromWire(kRoulettes, message.roulette(), "spec.roulette", &spec.roulette));
   const v1::FilterSpec& filter = message.filter();

@@ -41,8 +41,11 @@ TEST(Events, TheDoneEventHasExactlyTheKeysScriptsRelyOn) {
 TEST(Events, NoErrorIsToldWhereNoIntervalIsClaimed) {
   JobStatus status;
   status.spec.sampler = SamplerKind::kDrand48;
+  status.worst_tiles = {{{0, 0, 32, 32}, 0.5}};
   EXPECT_TRUE(json::parse(DoneEvent(status))["rel_error"].is_null());
-  EXPECT_TRUE(json::parse(ProgressEvent(status))["rel_error"].is_null());
+  const json progress = json::parse(ProgressEvent(status));
+  EXPECT_TRUE(progress["rel_error"].is_null());
+  EXPECT_TRUE(progress["worst_tiles"].at(0)["rel_error"].is_null());
 }
 
 TEST(Events, AJobThatFailedHasNotMetItsTarget) {

@@ -44,6 +44,8 @@ TEST(JobSpecTest, NamesTheFieldThatIsWrong) {
       {"crop", [](JobSpec& s) { s.crop.x0 = 64; }},
       {"max_depth", [](JobSpec& s) { s.max_depth = -1; }},
       {"sampler", [](JobSpec& s) { s.sampler = static_cast<SamplerKind>(9); }},
+      {"mis_beta", [](JobSpec& s) { s.mis_beta = -0.5; }},
+      {"mis_beta", [](JobSpec& s) { s.mis_beta = std::nan(""); }},
       {"strategy", [](JobSpec& s) { s.strategy = static_cast<DirectStrategy>(9); }},
       {"roulette", [](JobSpec& s) { s.roulette = static_cast<RouletteKind>(9); }},
       {"kernel", [](JobSpec& s) { s.kernel = static_cast<KernelKind>(9); }},

@@ -22,8 +22,10 @@ TEST(ReplayCommand, SaysAllThatDecidesASample) {
             "--resolution 640x480 --max-depth 3 --sampler independent "
             "--filter gaussian:1.5,0.1,0.3333333333333333");
   spec.strategy = DirectStrategy::kUniform;
+  spec.mis_beta = 1;
   spec.roulette = RouletteKind::kEfficiency;
-  EXPECT_NE(ReplayCommand(spec, 4, 5, 6, 7).find(" --strategy uniform --roulette efficiency"),
+  EXPECT_NE(ReplayCommand(spec, 4, 5, 6, 7)
+                .find(" --strategy uniform --mis-beta 1 --roulette efficiency"),
             std::string::npos);
 }
 

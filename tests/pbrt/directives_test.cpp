@@ -118,6 +118,15 @@ TEST(Meshes, NeedNoIndicesForASinglePrimitive) {
             (std::array<uint32_t, 4>{0, 1, 2, 3}));
 }
 
+TEST(Meshes, AreNotDisplacedWhichIsToldWithItsPlace) {
+  const PbrtScene scene = World(R"(Shape "trianglemesh" "point3 P" [ 0 0 0 1 0 0 0 1 0 ]
+    "texture displacement" "bumps")");
+  EXPECT_EQ(scene.scene.shapes.size(), 1u);
+  ASSERT_EQ(scene.warnings.size(), 1u);
+  EXPECT_EQ(scene.warnings[0].where.line, 3);
+  EXPECT_NE(scene.warnings[0].text.find("stays as it is"), std::string::npos);
+}
+
 TEST(Meshes, CutAwayByAlphaAreLeftOutUnlessTheyEmit) {
   const PbrtScene scene = World(R"(
     Texture "holes" "float" "checkerboard"

@@ -147,6 +147,19 @@ TEST(Version3, CamerasFiltersAndShapesHaveNewWords) {
   EXPECT_EQ(std::get<TriangleMeshShape>(scene.scene.shapes.at(1).geometry).uvs.size(), 3u);
 }
 
+TEST(Version3, ColourScalesOfLightsMultiplyTheirColours) {
+  const PbrtScene scene = World(R"(
+    AreaLightSource "area" "rgb L" [ 1 2 3 ] "color scale" [ 2 4 0.5 ] Shape "sphere"
+    AreaLightSource "diffuse" "blackbody L" [ 5000 3 ] "rgb scale" [ 2 2 2 ] Shape "sphere"
+    AreaLightSource "diffuse" "blackbody L" [ 5000 6 ] Shape "sphere"
+    LightSource "point" "color I" [ 1 1 2 ] "color scale" [ 3 2 1 ])");
+  const auto radiance = [&](size_t i) { return scene.scene.shapes.at(i).emission->radiance; };
+  EXPECT_EQ(radiance(0), (Rgb{2, 8, 1.5f}));
+  EXPECT_FLOAT_EQ(radiance(1).g, radiance(2).g);
+  EXPECT_EQ(std::get<PointLightDescription>(scene.scene.lights.at(0).light).intensity,
+            (Rgb{3, 2, 2}));
+}
+
 TEST(Version3, ImagesOfLightsLieByLatitudeAndLongitude) {
   SceneFolder folder;
   for (const char* name : {"sky.exr", "lamp.png", "slide.png"}) folder.Write(name, "");

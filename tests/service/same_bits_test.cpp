@@ -1,10 +1,12 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <set>
 #include <string>
 #include <tuple>
 #include <vector>
 
+#include "tests/all_samplers.h"
 #include "tests/service/farm_under_test.h"
 
 namespace strata {
@@ -114,6 +116,21 @@ INSTANTIATE_TEST_SUITE_P(SameBits, EveryFarm,
                            const bool tcp = std::get<0>(info.param) == Transport::kTcp;
                            return absl::StrCat(tcp ? "Tcp" : "InProcess", std::get<1>(info.param));
                          });
+
+TEST(SameBits, OfEverySampler) {
+  std::vector<KnownScene> known;
+  std::set<std::string> digests;
+  for (const SamplerKind sampler : kAllSamplers) {
+    TestScene scene = Small(OwnScene("cornell-box/cornell-box.pbrt"));
+    scene.spec.sampler = sampler;
+    scene.spec.name = std::string(ToString(sampler));
+    known.push_back({scene, Reference(scene).result});
+    digests.insert(known.back().digest.Hex());
+  }
+  EXPECT_EQ(digests.size(), std::size(kAllSamplers)) << "each sampler is another";
+  InProcessFarm farm(3, 2);
+  ExpectSameBits(farm.client(), known, "3 workers of 2 threads");
+}
 
 TEST(SameBits, NotWithAnotherSeed) {
   std::vector<TestScene> scenes = {Small(OwnScene("cornell-box/cornell-box.pbrt")),

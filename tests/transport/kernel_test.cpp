@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <string>
 
+#include "tests/all_samplers.h"
 #include "tests/pbrt/scene_folder.h"
 #include "tests/transport/kernels.h"
 #include "tests/transport/test_scene.h"

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <string>
 
+#include "tests/all_samplers.h"
 #include "tests/transport/test_scene.h"
 #include "worker/sampling/halton.h"
 

@@ -1,10 +1,12 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <limits>
 #include <string>
 
 #include "tests/pbrt/scene_folder.h"
 #include "tests/transport/test_scene.h"
+#include "worker/sampling/mis.h"
 
 // Light sampling alone, BSDF sampling alone, both under MIS, and directions drawn evenly or by
 // their cosine are estimators of one number. Each is compared with MIS at p = 1e-5; the control is
@@ -75,6 +77,15 @@ void ExpectStrategiesAgree(const TestScene& scene) {
         strategy == DirectStrategy::kLightOnly || strategy == DirectStrategy::kBsdfOnly;
     EXPECT_FALSE(Agree({mis.mean * (informed ? 1.03 : 1.12), mis.standard_error}, single))
         << ToString(strategy) << ": " << single.standard_error;
+  }
+  for (const double beta : {0.0, kBalance, std::numeric_limits<double>::infinity()}) {
+    ++spec.seed;
+    spec.mis_beta = beta;
+    const Estimate weighted = FrameMean(RenderFrame(built, spec), 1);
+    EXPECT_TRUE(Agree(mis, weighted))
+        << mis.mean << " +- " << mis.standard_error << ", beta " << beta << " " << weighted.mean
+        << " +- " << weighted.standard_error;
+    EXPECT_FALSE(Agree({mis.mean * 1.03, mis.standard_error}, weighted)) << beta;
   }
 }
 
@@ -185,7 +196,8 @@ TEST(StrategyTest, LightTechniquesChangeNoMean) {
   for (const BuildOptions& lights :
        {BuildOptions{.selection = LightSelection::kIntensity},
         BuildOptions{.selection = LightSelection::kUniform}, BuildOptions{.quads = false},
-        BuildOptions{.solid_angle = false}, BuildOptions{.compensate = false}}) {
+        BuildOptions{.solid_angle = false}, BuildOptions{.sphere_cones = false},
+        BuildOptions{.compensate = false}}) {
     const Estimate other = mean(lights, ++seed);
     EXPECT_TRUE(Agree(shipped, other))
         << seed << ": " << shipped.mean << " +- " << shipped.standard_error << ", " << other.mean

@@ -38,11 +38,6 @@ class TestScene {
 
 AreaEmission Emits(float radiance, bool two_sided = false);
 
-inline constexpr SamplerKind kAllSamplers[] = {
-    SamplerKind::kSobol,       SamplerKind::kIndependent, SamplerKind::kHalton,
-    SamplerKind::kHaltonPlain, SamplerKind::kStratified,  SamplerKind::kLatinHypercube,
-    SamplerKind::kPoissonDisk, SamplerKind::kDrand48};
-
 /// A square frame with the box filter and the default sampler.
 JobSpec TestSpec(int size, uint32_t spp, int max_depth);
 

@@ -4,6 +4,7 @@
 
 #include "common/moments.h"
 #include "common/unit.h"
+#include "tests/all_samplers.h"
 #include "tests/transport/test_scene.h"
 
 // A unit's partial is a pure function of (scene, spec, unit): the same bits however the frame is

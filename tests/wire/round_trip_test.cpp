@@ -52,10 +52,12 @@ TEST(RoundTrip, JobsThatNameNoStrategyAndNoRouletteHaveTheDefaults) {
   v1::JobSpec message;
   wire::ToWire(SampleSpec(), &message);
   message.clear_strategy();
+  message.clear_mis_beta();
   message.clear_roulette();
   const absl::StatusOr<JobSpec> spec = wire::FromWire(message);
   ASSERT_TRUE(spec.ok()) << spec.status();
   EXPECT_EQ(spec->strategy, DirectStrategy::kMis);
+  EXPECT_EQ(spec->mis_beta, 2);
   EXPECT_EQ(spec->roulette, RouletteKind::kThroughput);
 }
 

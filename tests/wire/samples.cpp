@@ -17,6 +17,7 @@ JobSpec SampleSpec() {
   spec.sampler = SamplerKind::kIndependent;
   spec.kernel = KernelKind::kReference;
   spec.strategy = DirectStrategy::kCosine;
+  spec.mis_beta = 1.5;
   spec.roulette = RouletteKind::kEfficiency;
   spec.filter = {FilterKind::kMitchell, 2.5, 1.5, 0.75, 0.25, 0.4};
   spec.spp = 128;

@@ -10,6 +10,7 @@
 #include "worker/light/light_set.h"
 #include "worker/light/mirror_guide.h"
 #include "worker/sampling/hash.h"
+#include "worker/sampling/mis.h"
 #include "worker/sampling/roulette.h"
 #include "worker/sampling/sampler.h"
 #include "worker/sampling/warp.h"
@@ -22,12 +23,13 @@ namespace strata {
 struct PathSettings {
   int max_depth = 5;  ///< Bounces, as pbrt-v4's maxdepth: 0 shows emission alone.
   DirectStrategy direct = DirectStrategy::kMis;
+  double mis_beta = kPower;  ///< JobSpec::mis_beta.
   /// Throughput from which on a path surely goes on; 0: no roulette. At a half variance times time
   /// is near its least on the shared scenes (docs/performance.md).
   float sure_survival = 0.5f;
   float sure_shadow = kSureShadow;  ///< 0: no roulette for shadow rays.
-  bool first_hit = false;  ///< Whether PathSample::hit and what follows it is wanted,
-  bool albedo = false;     ///< and of that the albedo.
+  bool first_hit = false;           ///< Whether PathSample::hit and what follows it is wanted,
+  bool albedo = false;              ///< and of that the albedo.
 };
 
 /// What one path found.
@@ -180,7 +182,14 @@ class PathTracer {
     if (specular_ || !path_detail::SamplesLights(settings_.direct)) return 1;
     // Light sampling alone leaves out what it never finds, such as the dim parts of a sky.
     if (settings_.direct == DirectStrategy::kLightOnly) return light_pdf() > 0 ? 0 : 1;
-    return PowerHeuristic(bsdf_pdf_, light_pdf());
+    return HeuristicWeight(bsdf_pdf_, light_pdf());
+  }
+
+  /// MIS weight of a sample of density `pdf`, for which the other technique has `other_pdf`.
+  float HeuristicWeight(float pdf, float other_pdf) const {
+    if (settings_.mis_beta == kPower) return PowerHeuristic(pdf, other_pdf);
+    const double shares[] = {pdf, other_pdf};
+    return static_cast<float>(MisWeight(shares, 0, settings_.mis_beta));
   }
 
   void AddEnvironment(const Ray& ray) {
@@ -265,7 +274,7 @@ class PathTracer {
     if (!light->delta && settings_.direct == DirectStrategy::kMis) {
       direct.bsdf_pdf = Pdf(*vertex.bsdf, vertex.wo, wi);
       if (guided_) direct.bsdf_pdf = guide_.MixedPdf(direct.bsdf_pdf, light->wi);
-      direct.weight = PowerHeuristic(light_pdf, direct.bsdf_pdf);
+      direct.weight = HeuristicWeight(light_pdf, direct.bsdf_pdf);
     }
     Rgb contribution = beta_ * direct.f * light->radiance * (direct.weight / light_pdf);
     ShadowRoulette(depth, &direct, &contribution);

@@ -207,8 +207,10 @@ void RenderAlike(const Renderer::State& job, const WorkUnit& unit, int64_t begin
                  bool background, Partial& partial, DefectList& defects) {
   SampleCursor cursor(unit, begin, end);
   TracedSamples<Sampler> samples(job, cursor);
-  const bool side_by_side =
-      job.spec.kernel == KernelKind::kFast && job.settings.direct == DirectStrategy::kMis;
+  // What is there to compare with goes one by one.
+  const bool side_by_side = job.spec.kernel == KernelKind::kFast &&
+                            job.settings.direct == DirectStrategy::kMis &&
+                            job.settings.mis_beta == kPower;
   std::vector<HeldSample> held;
   held.reserve(kHeldSamples);
   PixelSum sum(job.layout);

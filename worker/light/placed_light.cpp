@@ -15,7 +15,7 @@ namespace {
 
 constexpr float kPointRounding = 6 * 0x1p-24f;  // gamma(6) of PBRT 6.8.1.
 
-SurfaceLight LightOf(const Emitter& emitter, const Geometry& geometry) {
+SurfaceLight LightOf(const Emitter& emitter, const Geometry& geometry, bool sphere_cones) {
   if (const auto* triangle = std::get_if<TriangleEmitter>(&emitter.shape)) {
     const Vec3f bound = Abs(triangle->p0) + Abs(triangle->p1) + Abs(triangle->p2);
     return TriangleLight{triangle->p0,
@@ -28,8 +28,8 @@ SurfaceLight LightOf(const Emitter& emitter, const Geometry& geometry) {
                          emitter.two_sided};
   }
   if (const auto* sphere = std::get_if<SphereEmitter>(&emitter.shape))
-    return SphereLight{sphere->center, sphere->radius, sphere->inward, emitter.radiance,
-                       emitter.two_sided};
+    return SphereLight{sphere->center,   sphere->radius,    sphere->inward,
+                       emitter.radiance, emitter.two_sided, sphere_cones};
   return ShapeLight{&geometry, std::get<OtherEmitter>(emitter.shape), emitter.radiance,
                     emitter.two_sided, emitter.area};
 }
@@ -173,7 +173,7 @@ SurfaceLights MakeSurfaceLights(const Geometry& geometry, const TextureSet& text
   const std::vector<Emitter>& emitters = geometry.emitters();
   for (size_t i = 0; i < emitters.size(); ++i) {
     const Emitter& emitter = emitters[i];
-    SurfaceLight light = LightOf(emitter, geometry);
+    SurfaceLight light = LightOf(emitter, geometry, options.sphere_cones);
     PlacedLight placed;
     Rgb mean = MeanFactor(emitter, geometry, textures);
     AddEmission(emitter, mean, &placed);

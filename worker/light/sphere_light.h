@@ -17,6 +17,7 @@ struct SphereLight {
   bool inward = false;  ///< The emitting side is the inside.
   Rgb radiance;
   bool two_sided = false;
+  bool cone = true;  ///< false, to compare with: by area from outside too.
 };
 
 inline Rgb Le(const SphereLight& light, Vec3f ng, Vec3f wo) {
@@ -33,7 +34,7 @@ inline Vec3f PointError(const SphereLight& light, Vec3f n) {
 /// A point on the sphere may round to either side of it, so the cone keeps a distance from points
 /// that the inside lights.
 inline bool IsSampledByArea(const SphereLight& light, float distance2) {
-  if (light.inward && !light.two_sided) return true;
+  if (!light.cone || (light.inward && !light.two_sided)) return true;
   const float margin = light.two_sided ? 1.001f : 1;
   return distance2 <= light.radius * light.radius * margin;
 }

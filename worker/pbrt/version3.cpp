@@ -132,7 +132,7 @@ class Translation {
     if (directive_ == "Texture") TranslateGamma();
     if (directive_ == "Camera") TranslateCamera();
     if (directive_ == "Shape") PairTextureCoordinates();
-    if (directive_ == "AreaLightSource") TakeBlackbodyScales();
+    if (directive_ == "AreaLightSource") STRATA_RETURN_IF_ERROR(TakeScales());
     return directive_ == "LightSource" ? TranslateLight() : absl::OkStatus();
   }
 
@@ -153,7 +153,8 @@ class Translation {
     return parameter;
   }
   void Note(const SourceLocation& where, std::string_view from, std::string_view to) {
-    warnings_.Add(where, StrCat("pbrt-v3's ", from, " is read as ", to));
+    const bool several = from.find(" and ") != std::string_view::npos;
+    warnings_.Add(where, StrCat("pbrt-v3's ", from, several ? " are" : " is", " read as ", to));
   }
 
   void TranslateColors() {
@@ -295,8 +296,7 @@ class Translation {
   /// v3's "scale" is a colour. Its images of all directions lie by latitude and longitude and are
   /// multiplied by "L", too.
   absl::Status TranslateLight() {
-    STRATA_RETURN_IF_ERROR(TakeGray("scale"));
-    TakeBlackbodyScales();
+    STRATA_RETURN_IF_ERROR(TakeScales());
     Parameter* map = Find("mapname");
     if (!map) return absl::OkStatus();
     Note(map->where, "\"mapname\" of LightSource", "\"filename\"");
@@ -309,6 +309,22 @@ class Translation {
     return absl::OkStatus();
   }
 
+  /// What multiplies a light in v3: a colour, and the second numbers of blackbodies.
+  absl::Status TakeScales() {
+    const Parameter* scale = Find("scale");
+    Parameter* emitted = Find(directive_ == "AreaLightSource" || Find("L") ? "L" : "I");
+    if (scale && emitted && scale->type == "rgb" && emitted->type == "rgb" &&
+        scale->numbers.size() == 3 && emitted->numbers.size() == 3) {
+      Note(scale->where, "colour \"scale\" of a light",
+           StrCat("a part of \"", emitted->name, "\""));
+      for (size_t i = 0; i < 3; ++i) emitted->numbers[i] *= scale->numbers[i];
+      Remove("scale");
+    }
+    STRATA_RETURN_IF_ERROR(TakeGray("scale"));
+    TakeBlackbodyScales();
+    return absl::OkStatus();
+  }
+
   /// Makes a colour a part of the number "scale".
   absl::Status TakeGray(std::string_view name) {
     const Parameter* color = Find(name);
@@ -318,7 +334,7 @@ class Translation {
     if (color->type != "rgb" || c.size() != 3 || c[0] != c[1] || c[1] != c[2])
       return ErrorAt(color->where, StrCat("pbrt-v3's coloured \"", name,
                                           "\" of a light is not supported here; use a gray one"));
-    Note(color->where, StrCat("\"", name, "\" of LightSource"), "a part of \"float scale\"");
+    Note(color->where, StrCat("\"", name, "\" of ", directive_), "a part of \"float scale\"");
     Remove(name);
     MultiplyScale(c[0]);
     return absl::OkStatus();

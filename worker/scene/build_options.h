@@ -16,6 +16,7 @@ struct BuildOptions {
   LightSelection selection = LightSelection::kTree;
   bool quads = true;            ///< Two triangles that make a parallelogram are one light.
   bool solid_angle = true;      ///< Near rectangles are sampled by solid angle.
+  bool sphere_cones = true;     ///< Spheres are sampled in the cone they fill.
   bool compensate = true;       ///< Environment images are sampled where they are above their mean.
   bool mirrors = true;          ///< Paths are guided to images of lamps in metal rectangles.
   bool least_kernel = true;     ///< The fast kernel is compiled for what the scene needs.
