@@ -100,11 +100,17 @@ PlaneCase VisibleNormals() {
       [=](Vec3f m) { return Wave(ggx.InvertVisibleNormal(wo, m).x); }, kHalfTurn / 2);
 }
 
-/// Radius and theta of points of the ball, phi integrated.
+Vec3f PointOfBall(TestRandom& random) {
+  return SampleBallByRejection([&] { return random.Float(); }).point;
+}
+double AzimuthOf(Vec3f p) { return std::atan2(static_cast<double>(p.y), p.x); }
+
+/// Points of the ball by two of their spherical coordinates, the third integrated: by radius and
+/// theta, by theta and phi, and by radius and phi, so that each pair is looked at.
 PlaneCase RejectionBall() {
   return {.name = "RejectionBall",
           .sample = [](TestRandom& random) -> std::optional<PlanePoint> {
-            const Vec3f p = SampleBallByRejection([&] { return random.Float(); }).point;
+            const Vec3f p = PointOfBall(random);
             return PlanePoint{Length(p), std::atan2(std::hypot(p.x, p.y), p.z)};
           },
           .density =
@@ -114,6 +120,28 @@ PlaneCase RejectionBall() {
                                             static_cast<float>(std::sin(p.y)));
               },
           .tilt = [](PlanePoint p) { return std::cos(p.y); },
+          .y1 = kHalfTurn};
+}
+PlaneCase RejectionBallDirections() {
+  return Angles(
+      "RejectionBallDirections",
+      [](TestRandom& random) -> std::optional<Vec3f> { return PointOfBall(random); },
+      [](Vec3f) { return UniformSpherePdf(); },
+      [](Vec3f w) { return Wave(InvertUniformSphere(w).y); }, kHalfTurn);
+}
+PlaneCase RejectionBallAzimuths() {
+  return {.name = "RejectionBallAzimuths",
+          .sample = [](TestRandom& random) -> std::optional<PlanePoint> {
+            const Vec3f p = PointOfBall(random);
+            return PlanePoint{Length(p), AzimuthOf(p)};
+          },
+          .density =
+              [](PlanePoint p) {
+                // The sine of theta integrates to 2.
+                return 2 * VolumeToSphericalPdf(0.75f * kInvPi, static_cast<float>(p.x), 1);
+              },
+          .tilt = [](PlanePoint p) { return std::cos(p.y); },
+          .y0 = -kHalfTurn,
           .y1 = kHalfTurn};
 }
 
@@ -201,6 +229,8 @@ std::vector<PlaneCase> DirectionalCases() {
           [](Vec3f) { return UniformSpherePdf(); },
           [](Vec3f w) { return Wave(InvertUniformSphere(w).x); }, kHalfTurn),
       RejectionBall(),
+      RejectionBallDirections(),
+      RejectionBallAzimuths(),
       Cone(0.3),
       HenyeyGreenstein("HenyeyGreensteinForward", 0.9f),
       HenyeyGreenstein("HenyeyGreensteinBackward", -0.5f),
