@@ -216,10 +216,11 @@ TEST(Mixture, IsTheWeightedSum) {
 }
 
 TEST(MixtureControl, AShareThatIsOffByAPerCentIsCaught) {
-  // Shares go by weight and albedo, here about equal: one that is off by 0.01 must not pass.
+  // Shares go by weight and albedo, here about equal: one that is off by a per cent of itself must
+  // not pass. The lobes hardly overlap, so that it shows in all of either.
   MixtureParts parts;
   const DiffuseBsdf paint = {Rgb::Gray(0.8f)};
-  const AshikhminShirleyBsdf gloss = {{}, Rgb::Gray(0.8f), {20, 20}};
+  const AshikhminShirleyBsdf gloss = {{}, Rgb::Gray(0.8f), {100, 100}};
   parts.Add(paint, 0.5f);
   parts.Add(gloss, 0.5f);
   const Bsdf mixture = MixtureBsdf{&parts};
@@ -239,7 +240,7 @@ TEST(MixtureControl, AShareThatIsOffByAPerCentIsCaught) {
         [&, part](Vec3f wi) { return part * Pdf(paint, wo, wi) + (1 - part) * Pdf(gloss, wo, wi); };
   };
   EXPECT_GT(test(density(share)), 1e-3);
-  EXPECT_LT(test(density(share * 1.02f)), 1e-6);
+  EXPECT_LT(test(density(share * 1.01f)), 1e-6);
 }
 
 }  // namespace
