@@ -103,6 +103,8 @@ std::vector<LampCase> AllLampCases() {
       EmissiveShape(CylinderShape{0.5f, -1, 1, 200}, Transform::Scale(2, 1, 1));
   const ShapeDescription egg =
       EmissiveShape(SphereShape{0.5f, -0.5f, 0.5f, 360}, Transform::Scale(1, 1, 2));
+  const ShapeDescription bowl = EmissiveShape(SphereShape{0.5f, -0.4f, 0.3f, 250});
+  const ShapeDescription cap = EmissiveShape(SphereShape{0.5f, 0.3f, 0.5f, 300}, place);
   BilinearPatchShape bilinear;
   bilinear.positions = {
       {-1, -1, 0.3f}, {1.2f, -0.8f, -0.5f}, {-0.5f, 1, -0.2f}, {0.7f, 0.6f, 0.9f}};
@@ -137,6 +139,8 @@ std::vector<LampCase> AllLampCases() {
       {"part of a cylinder", shield, {1, 1.2f, 0.6f}},
       {"part of a stretched cylinder", gutter, {0.3f, 0.1f, 0.2f}},
       {"spheroid, within", egg, {0.1f, -0.2f, 0.3f}},
+      {"part of a sphere, within", bowl, {0.1f, -0.05f, 0.1f}},
+      {"part of a sphere", cap, {1.1f, 2.2f, 5}},
       {"patch", patch, {0.5f, 0.4f, 2}},
       {"patch, near", patch, {0.1f, 0.1f, 1}},
   };
