@@ -17,8 +17,7 @@ namespace strata {
 struct Source {
   std::string name;
   std::function<void(SceneDescription*)> add;
-  bool afar = false;              ///< Comes from outside the scene.
-  double power_tolerance = 1e-4;  ///< Relative.
+  double power_tolerance = 1e-5;  ///< Of Power, relative.
 };
 
 /// All of them; those that take files find them in `files`, where they are written.

@@ -7,8 +7,10 @@
 #include <string>
 
 #include "tests/light/lamp.h"
+#include "tests/light/light_scene.h"
 #include "tests/statistics/chi_square.h"
 #include "tests/statistics/random.h"
+#include "worker/light/emission.h"
 
 // Lamps whose radiance is multiplied by a texture: what is sampled and what a ray meets agree, and
 // both are where the texture says.
@@ -157,6 +159,20 @@ TEST(TexturedLamps, AreOneQuadWhereTheTextureContinues) {
   };
   EXPECT_EQ(count(Board()), 1u);
   EXPECT_EQ(count(Board(0.9f)), 2u);
+}
+
+TEST(TexturedLamps, HaveTheirPowerAboutWhereTheirTextureJumps) {
+  // Seven cells of fifteen shine. They end between points of the grid that finds the mean.
+  const auto power = [](TextureId texture) {
+    SceneDescription scene;
+    scene.textures = {ConstantTexture{}, ConstantTexture{Rgb::Gray(1)},
+                      CheckerboardTexture{.a = 0, .b = 1, .mapping = {3, 5}}};
+    scene.shapes = {Board()};
+    scene.shapes[0].emission->texture = texture;
+    const LightScene built(std::move(scene));
+    return std::visit([](const auto& l) { return Power(l, {}); }, built.lights.lights().at(0)).g;
+  };
+  EXPECT_NEAR(power(2) / power(1), 7.0 / 15, 0.005);
 }
 
 TEST(TexturedLamps, AreChosenByTheMeanOfTheirTexture) {
