@@ -8,6 +8,7 @@
 
 #include "tests/light/lamp.h"
 #include "tests/light/light_scene.h"
+#include "tests/light/sources.h"
 #include "tests/statistics/density_checks.h"
 #include "tests/statistics/random.h"
 
@@ -163,6 +164,39 @@ TEST(LampDirections, AreNoneTowardsADarkSide) {
     }
     EXPECT_GE(lit, 1) << c.name;
   }
+}
+
+TEST(DeltaLights, HaveNoDensityEvenWhereTheyAre) {
+  const LightFiles files;
+  int deltas = 0, others = 0;
+  for (const Source& source : Sources(files)) {
+    SceneDescription description;
+    source.add(&description);
+    const LightScene scene(std::move(description), files.source());
+    TestRandom random(6);
+    std::visit(
+        [&]<typename X>(const X& light) {
+          // Not all of them shine everywhere.
+          Vec3f from;
+          std::optional<LightSample> sample;
+          for (int i = 0; i < 100 && !sample; ++i) {
+            from = {4 * random.Float() - 2, 4 * random.Float() - 2, random.Float()};
+            sample = SampleLi(light, from, random.Float2());
+          }
+          ASSERT_TRUE(sample) << source.name;
+          EXPECT_EQ(sample->delta, DeltaLight<X>) << source.name;
+          if constexpr (DeltaLight<X>) {
+            ++deltas;
+            EXPECT_EQ(sample->pdf, 1) << source.name;
+            EXPECT_EQ(PdfLi(light, from, sample->wi), 0) << source.name;
+          } else {
+            ++others;
+          }
+        },
+        scene.lights.lights().at(0));
+  }
+  EXPECT_EQ(deltas, 6);
+  EXPECT_GT(others, 10);
 }
 
 // ---- skies ----
