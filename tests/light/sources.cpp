@@ -43,8 +43,8 @@ std::vector<Rgb> RandomPixels(int count, uint64_t seed) {
 const Transform kAbove = Transform::Translate(0.3, 0.1, 1.5);
 /// A light's z axis turned down, a little aslant.
 const Transform kDown = kAbove * Transform::Rotate(170, 1, 0.3, 0);
-/// The same beside the vertical.
-const Transform kAside = kAbove * Transform::Rotate(80, 1, 0.3, 0);
+/// The same beside the vertical; its y axis points down.
+const Transform kAside = kAbove * Transform::Rotate(-80, 1, 0.3, 0);
 
 }  // namespace
 
