@@ -176,8 +176,7 @@ void AddJobOptions(CLI::App* command, JobOptions& options) {
       "How paths find light: mis (default), light, bsdf, cosine or uniform; to compare", "NAME");
   add("--mis-beta", options.mis_beta,
       "Exponent of the weights of mis: 1 is the balance heuristic, 2 the power heuristic "
-      "(default), "
-      "inf the maximum heuristic",
+      "(default); 0 to 100",
       "B");
   add("--roulette", options.roulette,
       "What ends paths early: throughput (default), efficiency, or off", "NAME");
@@ -294,8 +293,8 @@ absl::StatusOr<JobSpec> ResolveJobSpec(const JobOptions& options, const FrameDef
     spec.strategy = *strategy;
   }
   spec.mis_beta = options.mis_beta.value_or(spec.mis_beta);
-  if (!(spec.mis_beta >= 0))
-    return absl::InvalidArgumentError("--mis-beta must be 0 or more, or inf");
+  if (!(spec.mis_beta >= 0 && spec.mis_beta <= kMaxMisBeta))
+    return absl::InvalidArgumentError(absl::StrCat("--mis-beta must be 0 to ", kMaxMisBeta));
   if (options.roulette) {
     const absl::StatusOr<RouletteKind> kind = ParseRouletteKind(*options.roulette);
     if (!kind.ok()) return Annotate(kind.status(), "--roulette");

@@ -163,7 +163,8 @@ absl::Status ValidateJobSpec(const JobSpec& spec) {
   STRATA_RETURN_IF_ERROR(CheckRange("max_depth", spec.max_depth, 0, 100000));
   if (NameOf(kSamplerNames, spec.sampler) == "unknown") return Bad("sampler", "is not known");
   if (NameOf(kStrategyNames, spec.strategy) == "unknown") return Bad("strategy", "is not known");
-  if (!(spec.mis_beta >= 0)) return Bad("mis_beta", fmt::format("{} is below 0", spec.mis_beta));
+  if (!(spec.mis_beta >= 0 && spec.mis_beta <= kMaxMisBeta))
+    return Bad("mis_beta", fmt::format("{} is not in 0..{}", spec.mis_beta, kMaxMisBeta));
   if (NameOf(kRouletteNames, spec.roulette) == "unknown") return Bad("roulette", "is not known");
   if (NameOf(kKernelNames, spec.kernel) == "unknown") return Bad("kernel", "is not known");
   STRATA_RETURN_IF_ERROR(ValidateFilter(spec.filter));

@@ -98,6 +98,10 @@ struct ExtraChannels {
   bool operator==(const ExtraChannels&) const = default;
 };
 
+/// An infinite exponent would give a sample whose densities are equal but for roundings to both
+/// techniques or to none.
+inline constexpr double kMaxMisBeta = 100;
+
 /// All that decides the bits of a frame, but for the scene's files, which `bundle` names, and how
 /// the farm treats the job (name, priority). Built by the client with every default resolved.
 struct JobSpec {
@@ -109,8 +113,8 @@ struct JobSpec {
   int max_depth = 5;          ///< Bounces, as pbrt-v4's maxdepth; 0 to 100000.
   SamplerKind sampler = SamplerKind::kSobol;
   DirectStrategy strategy = DirectStrategy::kMis;
-  /// Exponent of the weights of `kMis`, 0 or more: 1 is the balance heuristic, 2 the power
-  /// heuristic, infinity the maximum heuristic (Veach 1997, 9.2).
+  /// Exponent of the weights of `kMis`, 0 to kMaxMisBeta: 1 is the balance heuristic, 2 the power
+  /// heuristic; large ones come near the maximum heuristic (Veach 1997, 9.2).
   double mis_beta = 2;
   RouletteKind roulette = RouletteKind::kThroughput;
   KernelKind kernel = KernelKind::kFast;

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -28,7 +27,7 @@ constexpr std::array kStrategies = {
     Strategy{"BSDF", DirectStrategy::kBsdfOnly},
     Strategy{"MIS, balance", DirectStrategy::kMis, kBalance},
     Strategy{"MIS, power", DirectStrategy::kMis},
-    Strategy{"MIS, maximum", DirectStrategy::kMis, std::numeric_limits<double>::infinity()},
+    Strategy{"MIS, nearly maximum", DirectStrategy::kMis, kMaxMisBeta},
 };
 
 JobSpec SpecFor(const Settings& settings) {
@@ -124,8 +123,8 @@ absl::StatusOr<Outcome> RunMis(const Settings& settings) {
   }
   outcome.figure = std::move(picture);
   outcome.caption =
-      "From left to right: light sampling, BSDF sampling, both by the balance, the power and the "
-      "maximum heuristic.";
+      "From left to right: light sampling, BSDF sampling, both by the balance, the power and "
+      "nearly the maximum heuristic (beta 1, 2 and 100).";
   outcome.remarks = {
       "Light sampling is bad where a large lamp is mirrored in a smooth plate: hardly any of its "
       "points lies in the narrow lobe. BSDF sampling is bad where a small lamp shines on a rough "

@@ -45,6 +45,7 @@ TEST(JobSpecTest, NamesTheFieldThatIsWrong) {
       {"max_depth", [](JobSpec& s) { s.max_depth = -1; }},
       {"sampler", [](JobSpec& s) { s.sampler = static_cast<SamplerKind>(9); }},
       {"mis_beta", [](JobSpec& s) { s.mis_beta = -0.5; }},
+      {"mis_beta", [](JobSpec& s) { s.mis_beta = 101; }},
       {"mis_beta", [](JobSpec& s) { s.mis_beta = std::nan(""); }},
       {"strategy", [](JobSpec& s) { s.strategy = static_cast<DirectStrategy>(9); }},
       {"roulette", [](JobSpec& s) { s.roulette = static_cast<RouletteKind>(9); }},

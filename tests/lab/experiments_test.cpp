@@ -104,14 +104,16 @@ TEST(MisExperiment, IsNearTheBetterStrategyEverywhereAndUnbiased) {
                             "large lamp, smooth plate", "large lamp, rough plate"}) {
     // Veach's theorem 9.2 for two samples, with room for the power heuristic and for noise.
     const double better = std::min(variance(where, "light"), variance(where, "BSDF"));
-    const double mean = records.Number({where, "MIS"}, "mean");
-    EXPECT_LT(variance(where, "MIS"), 1.5 * better + 0.5 * mean * mean) << where;
+    for (const char* mis : {"MIS, balance", "MIS, power"}) {
+      const double mean = records.Number({where, mis}, "mean");
+      EXPECT_LT(variance(where, mis), 1.5 * better + 0.5 * mean * mean) << where << ", " << mis;
+    }
   }
   for (const char* where : {"whole picture", "large lamp, rough plate"}) {
-    const double mean = records.Number({where, "MIS"}, "mean");
-    for (const char* sampling : {"light", "BSDF"}) {
+    const double mean = records.Number({where, "MIS, power"}, "mean");
+    for (const char* sampling : {"light", "BSDF", "MIS, balance", "MIS, nearly maximum"}) {
       const double error = std::hypot(records.Number({where, sampling}, "standard error"),
-                                      records.Number({where, "MIS"}, "standard error"));
+                                      records.Number({where, "MIS, power"}, "standard error"));
       EXPECT_NEAR(records.Number({where, sampling}, "mean"), mean, 4 * error) << where;
       EXPECT_LT(error, 0.1 * mean) << "the test says nothing";
     }

@@ -1,7 +1,6 @@
 #include <gtest/gtest.h>
 
 #include <functional>
-#include <limits>
 #include <string>
 
 #include "tests/pbrt/scene_folder.h"
@@ -78,7 +77,7 @@ void ExpectStrategiesAgree(const TestScene& scene) {
     EXPECT_FALSE(Agree({mis.mean * (informed ? 1.03 : 1.12), mis.standard_error}, single))
         << ToString(strategy) << ": " << single.standard_error;
   }
-  for (const double beta : {0.0, kBalance, std::numeric_limits<double>::infinity()}) {
+  for (const double beta : {0.0, kBalance, kMaxMisBeta}) {
     ++spec.seed;
     spec.mis_beta = beta;
     const Estimate weighted = FrameMean(RenderFrame(built, spec), 1);
