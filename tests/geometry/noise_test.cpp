@@ -88,6 +88,10 @@ TEST(NoiseTest, MarbleHasItsColours) {
   const Rgb still = EvalNoise(marble, p);
   marble.variation = 3;
   EXPECT_NE(EvalNoise(marble, p), still);
+  // Places that are too far, or none, have a colour all the same.
+  const Rgb far = EvalNoise(marble, {0, 1e200, 0});
+  EXPECT_EQ(EvalNoise(marble, {0, std::nan(""), 0}), far);
+  EXPECT_GT(far.r, 0);
 }
 
 TEST(NoiseTest, TwoInFiveCellsHaveADot) {

@@ -68,7 +68,9 @@ Rgb Marble(double where) {
                                           {0.2f, 0.2f, 0.33f},
                                           kPale};
   constexpr int kPieces = static_cast<int>(kColors.size()) - 3;
-  const double t = 0.5 + 0.5 * Sin(where);
+  // So far out a turn is finer than a float can place a point, or there is no number at all.
+  constexpr double kFarthest = 1e9;
+  const double t = std::fabs(where) < kFarthest ? 0.5 + 0.5 * Sin(where) : 0.5;
   const int first = std::clamp(static_cast<int>(std::floor(t * kPieces)), 0, kPieces - 1);
   return Bezier(&kColors[static_cast<size_t>(first)], static_cast<float>(t * kPieces - first)) *
          1.5f;
