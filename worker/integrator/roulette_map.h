@@ -44,7 +44,7 @@ class RouletteMap {
 /// throughput b that would find L for each unit of b, with so many rays c more, should survive with
 /// probability b sqrt(E[L^2] / c) / sqrt(V / C), for then 1 / (V C) is greatest (Rath et al. 2022,
 /// "EARS", after Veach 1997, 10.4.1; for shadow rays PBRT 3rd ed. 13.7.1). So paths survive surely
-/// from b = sqrt(V / C) / sqrt(E[L^2] / c) on.
+/// from b = sqrt(V / C) / sqrt(E[L^2] / c) on, which is kept within 1/4 and 1.
 ///
 /// V and C are those of the pixel's part of the frame and those beside it, E[L^2] and c of the
 /// whole frame, from a pilot of some thousand paths. The pilot has random numbers that no job's
