@@ -26,7 +26,10 @@ bool HasContinuousPart(const Bsdf& bsdf) { return !IsDelta(bsdf); }
 
 /// At each angle, and the directions of a BSDF at all angles together.
 void ExpectDensities(const DensityEffort& effort) {
-  const std::vector<BsdfCase> cases = AllBsdfCases();
+  std::vector<BsdfCase> cases = AllBsdfCases();
+  // Not reciprocal in these terms, where wo is the z axis, so not among those.
+  for (const float g : {-0.7f, 0.0f, 0.9f})
+    cases.push_back({"phase function of g " + std::to_string(g), PhaseFunction{g}});
   DensityChecks checks(cases.size() * (TestAngles().size() + 1), effort);
   uint64_t seed = 1;
   for (const BsdfCase& c : cases) {

@@ -75,7 +75,7 @@ TEST(Check, WhatIsNotSupportedIsAWarningWithItsPlace) {
   const std::string scene = folder.Write("fog.pbrt", R"(Camera "perspective"
 WorldBegin
 LightSource "infinite" "rgb L" [1 1 1]
-MakeNamedMedium "fog" "string type" "homogeneous" "rgb sigma_s" [1 1 1]
+MakeNamedMedium "fog" "string type" "cloud"
 MediumInterface "fog" ""
 Shape "sphere"
 )");

@@ -15,10 +15,11 @@
 #include "worker/bsdf/diffuse_transmission.h"
 #include "worker/bsdf/metallic_roughness.h"
 #include "worker/bsdf/mixture.h"
+#include "worker/bsdf/phase_function.h"
 #include "worker/bsdf/thin_dielectric.h"
 
-// How a point of a surface scatters light. Each kind is a plain struct with free inline functions
-// in a header of its own:
+// How a point of a surface, or of a medium, scatters light. Each kind is a plain struct with free
+// inline functions in a header of its own:
 //
 //   Rgb Eval(const X&, Vec3f wo, Vec3f wi)          f(wo, wi) |cos theta_i|; 0 for delta parts
 //   float Pdf(const X&, Vec3f wo, Vec3f wi)         per solid angle of wi; 0 for delta parts
@@ -33,9 +34,10 @@
 
 namespace strata {
 
-using Bsdf = std::variant<DiffuseBsdf, ConductorBsdf, DielectricBsdf, ThinDielectricBsdf,
-                          CoatedDiffuseBsdf, CoatedConductorBsdf, DiffuseTransmissionBsdf,
-                          BlinnBsdf, AshikhminShirleyBsdf, MetallicRoughnessBsdf, MixtureBsdf>;
+using Bsdf =
+    std::variant<DiffuseBsdf, ConductorBsdf, DielectricBsdf, ThinDielectricBsdf, CoatedDiffuseBsdf,
+                 CoatedConductorBsdf, DiffuseTransmissionBsdf, BlinnBsdf, AshikhminShirleyBsdf,
+                 MetallicRoughnessBsdf, MixtureBsdf, PhaseFunction>;
 
 inline Rgb Eval(const Bsdf& bsdf, Vec3f wo, Vec3f wi) {
   return std::visit([&](const auto& b) { return Eval(b, wo, wi); }, bsdf);
@@ -65,13 +67,14 @@ bool HasDelta(const X&) {
 inline bool HasDelta(const Bsdf& bsdf) {
   return std::visit([](const auto& b) { return HasDelta(b); }, bsdf);
 }
-/// Whether light may pass through the surface.
+/// Whether light may go on to the other side.
 inline bool Transmits(const Bsdf& bsdf) {
   if (const auto* mixture = std::get_if<MixtureBsdf>(&bsdf)) return Transmits(*mixture);
   if (const auto* b = std::get_if<MetallicRoughnessBsdf>(&bsdf)) return !IsBlack(b->transmission);
   return std::holds_alternative<DielectricBsdf>(bsdf) ||
          std::holds_alternative<ThinDielectricBsdf>(bsdf) ||
-         std::holds_alternative<DiffuseTransmissionBsdf>(bsdf);
+         std::holds_alternative<DiffuseTransmissionBsdf>(bsdf) ||
+         std::holds_alternative<PhaseFunction>(bsdf);
 }
 inline Rgb Albedo(const Bsdf& bsdf, Vec3f wo) {
   return std::visit([&](const auto& b) { return Albedo(b, wo); }, bsdf);

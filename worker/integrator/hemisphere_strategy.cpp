@@ -30,7 +30,9 @@ std::optional<BsdfSample> SampleHemisphere(DirectStrategy strategy, const Bsdf& 
       return sample;
     }
   }
-  const bool uniform = strategy == DirectStrategy::kUniform;
+  // Media have no cosine.
+  const bool uniform =
+      strategy == DirectStrategy::kUniform || std::holds_alternative<PhaseFunction>(bsdf);
   BsdfSample sample;
   sample.wi = uniform ? SampleUniformHemisphere(u) : SampleCosineHemisphere(u);
   sample.pdf = chance * (uniform ? UniformHemispherePdf() : CosineHemispherePdf(sample.wi.z));

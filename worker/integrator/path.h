@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <cstdint>
+#include <limits>
 #include <optional>
 
 #include "common/job.h"
@@ -42,9 +43,11 @@ struct PathSample {
   Vec3f position;
 };
 
-/// A vertex of a path, in the BSDF's terms.
+/// A vertex of a path, in the BSDF's terms: a point of a surface or, with its phase function for a
+/// BSDF, of a medium.
 struct PathVertex {
-  SurfacePoint point;
+  SurfacePoint point;  ///< In a medium: p alone is known, and ng is wo_world.
+  bool in_medium = false;
   Vec3f wo_world;  ///< Unit, back along the path.
   Frame frame;     ///< Of shading.
   Vec3f wo;
@@ -61,11 +64,13 @@ struct DirectSample {
   float survival = 1;  ///< Of the shadow ray's roulette.
   bool traced = true;  ///< Whether it survived.
   bool blocked = false;
+  Rgb transmittance = {1, 1, 1};  ///< Of media on the way.
 };
 
 /// Is told of every event of a path, and says nothing: all calls vanish. The observer of `strata
 /// replay` writes them down.
 struct SilentObserver {
+  void OnFlight(const Flight&) {}
   void OnMiss(const Ray&, Rgb /*radiance*/, float /*weight*/) {}
   void OnVertex(int /*depth*/, const Ray&, const PathVertex&, Rgb /*beta*/) {}
   void OnEmission(uint32_t /*light*/, Rgb /*radiance*/, float /*weight*/) {}
@@ -110,8 +115,8 @@ inline uint32_t RayId(Vec2f u, bool shadow) {
   return static_cast<uint32_t>(HashCombine(shadow ? 1 : 0, bits));
 }
 
-inline bool IsBlocked(const Geometry& geometry, const SurfacePoint& point, const LightSample& light,
-                      float time, uint32_t ray_id) {
+inline Ray ShadowRay(const SurfacePoint& point, const LightSample& light, float time,
+                     uint32_t ray_id) {
   Ray ray = {.origin = OffsetRayOrigin(point, light.wi),
              .direction = light.wi,
              .time = time,
@@ -120,7 +125,15 @@ inline bool IsBlocked(const Geometry& geometry, const SurfacePoint& point, const
     ray.direction = light.end - ray.origin;
     ray.t_max = kShadowEnd;
   }
-  return geometry.Occluded(ray);
+  return ray;
+}
+
+/// The point of a medium where light was scattered after it came along `ray`.
+inline SurfacePoint PointInMedium(const Ray& ray, float t) {
+  SurfacePoint point;
+  point.p = ray.origin + ray.direction * t;
+  point.ng = point.ns = -ray.direction;
+  return point;
 }
 
 }  // namespace path_detail
@@ -131,7 +144,11 @@ class PathTracer {
  public:
   PathTracer(const Scene& scene, const PathSettings& settings, const Sampler& sampler,
              Observer& observer)
-      : scene_(scene), settings_(settings), sampler_(sampler), observer_(observer) {}
+      : scene_(scene),
+        settings_(settings),
+        sampler_(sampler),
+        observer_(observer),
+        medium_(scene.media().camera_medium()) {}
 
   /// Light that arrives along `ray`. The sampler must have been started on the sample.
   PathSample Trace(Ray ray) {
@@ -139,20 +156,26 @@ class PathTracer {
     for (int depth = 0;; ++depth) {
       Hit hit;
       ++result_.rays;
-      if (!scene_.geometry().Intersect(ray, &hit)) {
+      const bool met = scene_.geometry().Intersect(ray, &hit);
+      if (met) ray.t_max = hit.t;
+      const Flight flight = Fly(depth, ray);
+      if (IsBlack(beta_)) break;
+      if (!met && !flight.scattered) {
         AddEnvironment(ray);
         break;
       }
       PathVertex vertex;
-      vertex.point = scene_.geometry().Surface(ray, hit);
       vertex.wo_world = -ray.direction;
+      vertex.in_medium = flight.scattered;
+      vertex.point = flight.scattered ? path_detail::PointInMedium(ray, flight.t)
+                                      : scene_.geometry().Surface(ray, hit);
       if (vertex.point.light >= 0) AddEmission(ray, hit, vertex.point);
 
       const bool last = depth == settings_.max_depth;
       if (last && depth > 0) break;
       MakeBsdf(depth, ray, hit, vertex);
       observer_.OnVertex(depth, ray, vertex, beta_);
-      if (depth == 0 && settings_.first_hit) DescribeFirstHit(vertex);
+      if (depth == 0 && settings_.first_hit && !vertex.in_medium) DescribeFirstHit(vertex);
       if (last) break;
 
       StartGuide(depth, vertex);
@@ -173,6 +196,19 @@ class PathTracer {
   template <typename Numbers>
   uint32_t RayId(Numbers u, bool shadow) const {
     return scene_.geometry().has_alpha() ? path_detail::RayId(u(), shadow) : 0;
+  }
+
+  /// Sends the ray through the media before ray.t_max.
+  Flight Fly(int depth, const Ray& ray) {
+    const MediumSet& media = scene_.media();
+    if (medium_ == kNoMedium && !media.borders()) return {};
+    const Vec2f u = sampler_.Get2D(kPairFirstFlight + static_cast<uint32_t>(depth));
+    const Flight flight = media.Fly(ray, medium_, beta_, u);
+    result_.radiance += beta_ * flight.emitted;
+    beta_ *= flight.weight;
+    medium_ = flight.medium;
+    observer_.OnFlight(flight);
+    return flight;
   }
 
   /// MIS weight of emission that the BSDF's direction met, where light sampling would have found it
@@ -222,6 +258,12 @@ class PathTracer {
 
   void MakeBsdf(int depth, const Ray& ray, const Hit& hit, PathVertex& vertex) {
     const SurfacePoint& point = vertex.point;
+    if (vertex.in_medium) {
+      vertex.frame = Frame::FromNormal(point.ng);
+      vertex.wo = vertex.frame.ToLocal(vertex.wo_world);
+      vertex.bsdf = &scene_.media().phase(medium_);
+      return;
+    }
     const MaterialSet& materials = scene_.materials();
     const bool detailed = materials.HasDetail(point.material);
     vertex.frame = path_detail::ShadingFrame(
@@ -280,12 +322,20 @@ class PathTracer {
     ShadowRoulette(depth, &direct, &contribution);
     if (direct.traced) {
       ++result_.rays;
-      direct.blocked =
-          path_detail::IsBlocked(scene_.geometry(), vertex.point, *light, time, ray_id);
+      const Ray ray = path_detail::ShadowRay(vertex.point, *light, time, ray_id);
+      direct.blocked = scene_.geometry().Occluded(ray);
+      if (!direct.blocked && !scene_.media().empty())
+        direct.transmittance = scene_.media().Transmittance(ray, MediumTowards(vertex, light->wi));
     }
+    contribution *= direct.transmittance;
     if (direct.blocked || !direct.traced) contribution = {};
     result_.radiance += contribution;
     observer_.OnLight(direct, contribution);
+  }
+
+  MediumId MediumTowards(const PathVertex& vertex, Vec3f w) const {
+    if (vertex.in_medium) return medium_;
+    return scene_.media().Entered(vertex.point.material, vertex.point.ng, w, medium_);
   }
 
   /// Russian roulette of a light sample that can add little. By the complement of the path's own
@@ -317,8 +367,10 @@ class PathTracer {
     bsdf_pdf_ = sample->pdf;
     if (sample->transmission) eta_scale_ *= sample->eta * sample->eta;
     previous_ = ReceiverAt(vertex);
+    medium_ = MediumTowards(vertex, wi);
     ray->origin = OffsetRayOrigin(vertex.point, wi);
     ray->direction = wi;
+    ray->t_max = std::numeric_limits<float>::infinity();
     ray->id = RayId([&] { return u; }, false);
     return true;
   }
@@ -343,6 +395,7 @@ class PathTracer {
 
   PathSample result_;
   Rgb beta_ = {1, 1, 1};  ///< Throughput so far.
+  MediumId medium_;       ///< That the ray starts in.
   float eta_scale_ = 1;
   bool specular_ = true;    ///< Light sampling could not have found what the ray meets next.
   float bsdf_pdf_ = 0;      ///< Of the ray's direction.

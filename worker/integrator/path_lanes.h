@@ -67,6 +67,7 @@ class PathLanes {
     specular_ |= starting;
     depth_ = starting ? IntLanes{} : depth_;
     rays_ = starting ? IntLanes{} : rays_;
+    if (HasMedia()) medium_ = starting ? SameInt(scene_.media().camera_medium()) : medium_;
     if (settings_.first_hit) ForEachLane(starting, [&](int lane) { first_hit_[lane] = {}; });
     if (HasAlpha()) SetRayIds(&ray_, sampler_.Get2D(SameInt(kPairFilm), starting), false, starting);
   }
@@ -82,6 +83,7 @@ class PathLanes {
   /// Whether coats are looked for: guides ask for the BSDF itself.
   bool HasCoats() const { return (kHas & kOtherMaterials) && !HasMirrorImages(); }
   bool HasMirrorImages() const { return (kHas & kMirrorImages) && !scene_.mirror_images().empty(); }
+  bool HasMedia() const { return (kHas & kMedia) && !scene_.media().empty(); }
   bool ChoosesLights() const {
     return (kHas & kManyLights) && scene_.lights().SelectNeedsLowBits();
   }
@@ -97,6 +99,12 @@ class PathLanes {
   MaskLanes Guided(MaskLanes mask) const {
     if constexpr ((kHas & kMirrorImages) == 0) return MaskLanes{};
     return mask & guided_;
+  }
+
+  /// The lanes in `mask` whose vertices are points of a medium.
+  MaskLanes InMedium(MaskLanes mask) const {
+    if constexpr ((kHas & kMedia) == 0) return MaskLanes{};
+    return mask & in_medium_;
   }
 
   static void SetRayIds(RayLanes* rays, Vec2Lanes u, bool shadow, MaskLanes mask) {
@@ -123,11 +131,18 @@ class PathLanes {
   MaskLanes Step(MaskLanes alive) {
     HitLanes hits;
     rays_ -= alive;  // Masks are -1.
-    const MaskLanes found = Intersect(scene_.geometry(), ray_, alive, &hits);
-    if (HasEnvironments()) ForEachLane(alive & ~found, [&](int lane) { AddEnvironment(lane); });
+    const MaskLanes met = Intersect(scene_.geometry(), ray_, alive, &hits);
+    MaskLanes arrived = alive;
+    if (HasMedia()) arrived = Fly(alive, met, &hits);
+    const MaskLanes found = arrived & (met | InMedium(arrived));
+    if (HasEnvironments()) ForEachLane(arrived & ~found, [&](int lane) { AddEnvironment(lane); });
     if (!Any(found)) return alive;
-    FindSurfaces(scene_.geometry(), ray_, hits, found, HasBaseTextures(), &surface_);
-    ForEachLane(found & (surface_.light >= 0), [&](int lane) { AddEmission(lane, hits); });
+    const MaskLanes at_surface = found & ~InMedium(found);
+    FindSurfaces(scene_.geometry(), ray_, hits, at_surface, HasBaseTextures(), &surface_);
+    ForEachLane(InMedium(found), [&](int lane) {
+      surface_.Set(lane, path_detail::PointInMedium(ray_.Get(lane), hits.t[lane]));
+    });
+    ForEachLane(at_surface & (surface_.light >= 0), [&](int lane) { AddEmission(lane, hits); });
     const MaskLanes last = depth_ == settings_.max_depth;
     MaskLanes going = found & ~(last & (depth_ > 0));
     if (!Any(going)) return alive;
@@ -145,6 +160,29 @@ class PathLanes {
     going = SurviveRoulette(going);
     depth_ = going ? depth_ + 1 : depth_;
     return alive & ~going;
+  }
+
+  /// Sends rays through the media before what they have met; returns the lanes that arrive with
+  /// anything, at their hit or at a point of a medium, of which hits has the distance then.
+  [[gnu::noinline]] MaskLanes Fly(MaskLanes alive, MaskLanes met, HitLanes* hits) {
+    const MediumSet& media = scene_.media();
+    in_medium_ = MaskLanes{};
+    const MaskLanes flying = media.borders() ? alive : alive & (medium_ != kNoMedium);
+    if (!Any(flying)) return alive;
+    const Vec2Lanes u = sampler_.Get2D(depth_ + static_cast<int32_t>(kPairFirstFlight), flying);
+    ForEachLane(flying, [&](int lane) {
+      Ray ray = ray_.Get(lane);
+      if (met[lane]) ray.t_max = hits->t[lane];
+      const Flight flight = media.Fly(ray, medium_[lane], beta_.Get(lane), {u.x[lane], u.y[lane]});
+      AddRadiance(lane, flight.emitted, 1);
+      beta_.Set(lane, beta_.Get(lane) * flight.weight);
+      medium_[lane] = flight.medium;
+      if (IsBlack(beta_.Get(lane))) alive[lane] = 0;
+      if (!flight.scattered) return;
+      in_medium_[lane] = -1;
+      hits->t[lane] = flight.t;
+    });
+    return alive;
   }
 
   template <typename LightPdf>
@@ -187,7 +225,7 @@ class PathLanes {
     const MaskLanes seen = Dot(surface_.ns, wo) * Dot(surface_.ng, wo) > 0;
     frame_ = FrameLanes::FromNormal(Select(seen, surface_.ns, surface_.ng));
     const BaseLanes bases =
-        FindBases(scene_.materials(), scene_.textures(), surface_, mask,
+        FindBases(scene_.materials(), scene_.textures(), surface_, mask & ~InMedium(mask),
                   {.coats = HasCoats(), .textures = HasBaseTextures()}, &textured_);
     reflectance_ = bases.reflectance;
     lambertian_ = bases.bare;
@@ -216,11 +254,13 @@ class PathLanes {
       coat_ = CoatedDiffuseLanes(scene_.materials().base_rows().data(), surface_.material,
                                  reflectance_, wo_, coated_);
     if (settings_.first_hit)
-      ForEachLane(mask & (depth_ == 0), [&](int lane) { DescribeFirstHit(lane); });
+      ForEachLane(mask & (depth_ == 0) & ~InMedium(mask),
+                  [&](int lane) { DescribeFirstHit(lane); });
   }
 
   /// The BSDF of the lane's vertex; turns its frame where the material is not isotropic.
   [[gnu::noinline]] const Bsdf& BsdfOf(int lane, const HitLanes& hits, Vec3f wo) {
+    if (HasMedia() && in_medium_[lane]) return scene_.media().phase(medium_[lane]);
     const MaterialSet& materials = scene_.materials();
     const MaterialId id = surface_.material[lane];
     const Bsdf* constant = materials.Constant(id);
@@ -325,7 +365,22 @@ class PathLanes {
     shadow.time = ray_.time;
     shadow.t_max = sample.infinite ? shadow.t_max : SameFloat(path_detail::kShadowEnd);
     mask &= ~Occluded(scene_.geometry(), shadow, mask);
+    if (HasMedia()) Fade(shadow, sample.wi, mask, &contribution);
     radiance_ = Select(mask, radiance_ + contribution, radiance_);
+  }
+
+  [[gnu::noinline]] void Fade(const RayLanes& shadow, const Vec3Lanes& wi, MaskLanes mask,
+                              RgbLanes* contribution) const {
+    ForEachLane(mask, [&](int lane) {
+      const Rgb transmittance =
+          scene_.media().Transmittance(shadow.Get(lane), MediumTowards(lane, wi.Get(lane)));
+      contribution->Set(lane, contribution->Get(lane) * transmittance);
+    });
+  }
+
+  MediumId MediumTowards(int lane, Vec3f w) const {
+    if (in_medium_[lane]) return medium_[lane];
+    return scene_.media().Entered(surface_.material[lane], surface_.ng.Get(lane), w, medium_[lane]);
   }
 
   MaskLanes ShadowRoulette(MaskLanes mask, RgbLanes* contribution) const {
@@ -380,6 +435,9 @@ class PathLanes {
     ray_.origin = OffsetRayOrigins(surface_.p, surface_.offset, surface_.ng, ray_.direction);
     if (HasAlpha()) SetRayIds(&ray_, u, false, going);
     previous_ = receiver_;
+    if (HasMedia())
+      ForEachLane(going,
+                  [&](int lane) { medium_[lane] = MediumTowards(lane, ray_.direction.Get(lane)); });
     return going & SidesAgree(ray_.direction, wi.z);
   }
 
@@ -417,12 +475,14 @@ class PathLanes {
   RgbLanes beta_, radiance_;
   FloatLanes eta_scale_ = {}, bsdf_pdf_ = {};
   MaskLanes specular_ = {};
+  IntLanes medium_ = {};
   LightReceiverLanes previous_;
   IntLanes depth_ = {}, rays_ = {};
   std::array<PathSample, kLanes> first_hit_;
 
   // Of the vertex.
   SurfaceLanes surface_;
+  MaskLanes in_medium_ = {};  ///< Of surface_ the points are known, and ng is the way back.
   FrameLanes frame_;
   FloatLanes wo_z_ = {};
   LightReceiverLanes receiver_;

@@ -52,6 +52,8 @@ absl::Status CheckUnit(const WorkUnit& unit, const JobSpec& spec) {
 PixelRect PixelsThatMayHit(const Scene& scene, const Camera& camera, const JobSpec& spec) {
   const PixelRect all = {0, 0, spec.width, spec.height};
   if (!scene.options().skip_background) return all;
+  // Within a medium all is seen through it, and borders of media are met like surfaces.
+  if (scene.media().camera_medium() != kNoMedium || scene.media().borders()) return all;
   const std::optional<Camera::FrameRect> rect = camera.RectOf(scene.geometry().bounds());
   if (!rect) return all;
   // A sample is taken within the filter's radius of the middle of its pixel; another pixel is for

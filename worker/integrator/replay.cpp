@@ -20,12 +20,29 @@ class ReplayObserver {
   /// `origin` is the scene's.
   ReplayObserver(Vec3d origin, std::string* text) : origin_(origin), text_(text) {}
 
+  void OnFlight(const Flight& flight) {
+    absl::StrAppendFormat(
+        text_, "through media, %s in %s: weight %s",
+        flight.scattered ? absl::StrFormat("scattered after %.6g", flight.t) : "not scattered",
+        flight.medium == kNoMedium ? "none" : absl::StrFormat("medium %d", flight.medium),
+        Text(flight.weight));
+    if (!IsBlack(flight.emitted))
+      absl::StrAppendFormat(text_, ", emitted %s", Text(flight.emitted));
+    absl::StrAppend(text_, "\n");
+  }
   void OnMiss(const Ray& ray, Rgb radiance, float weight) {
     absl::StrAppendFormat(text_, "leaves the scene towards %s: environment %s, MIS weight %.6g\n",
                           Text(ray.direction), Text(radiance), weight);
   }
   void OnVertex(int depth, const Ray& ray, const PathVertex& vertex, Rgb beta) {
     const SurfacePoint& point = vertex.point;
+    if (vertex.in_medium) {
+      absl::StrAppendFormat(text_,
+                            "vertex %d at %s, in a medium, reached from %s\n"
+                            "  throughput %s\n",
+                            depth, InFile(point.p), InFile(ray.origin), Text(beta));
+      return;
+    }
     absl::StrAppendFormat(text_,
                           "vertex %d at %s, reached from %s\n"
                           "  material %d, normal %s, shading normal %s, uv (%.6g %.6g)\n"
@@ -49,6 +66,8 @@ class ReplayObserver {
                           : direct.blocked ? "blocked, adds"
                                            : "adds",
                           Text(contribution));
+    if (direct.transmittance != Rgb{1, 1, 1})
+      absl::StrAppendFormat(text_, "    transmittance of media: %s\n", Text(direct.transmittance));
     if (direct.survival < 1)
       absl::StrAppendFormat(text_, "    roulette of the shadow ray: survival %.6g\n",
                             direct.survival);

@@ -25,6 +25,10 @@ struct Decision {
 /// Notes where roulette is played, and what the path had found and cost by then.
 class PilotObserver {
  public:
+  void OnFlight(const Flight& flight) {
+    Find(beta_ * flight.emitted);
+    beta_ *= flight.weight;
+  }
   void OnMiss(const Ray&, Rgb radiance, float weight) { Find(beta_ * radiance * weight); }
   void OnVertex(int depth, const Ray&, const PathVertex&, Rgb beta) {
     depth_ = depth;

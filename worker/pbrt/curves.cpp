@@ -111,7 +111,7 @@ bool JoinCurves(ShapeDescription& shape, const ShapeDescription& next) {
   const auto* more = std::get_if<CurveShape>(&next.geometry);
   if (!curves || !more || curves->kind != more->kind || shape.material != next.material ||
       shape.reverse_orientation != next.reverse_orientation || shape.alpha != next.alpha ||
-      shape.to_world != next.to_world)
+      shape.to_world != next.to_world || shape.border != next.border)
     return false;
   constexpr size_t kMaxVertices = 0x7fffffff;
   if (curves->positions.size() + more->positions.size() > kMaxVertices) return false;

@@ -20,9 +20,8 @@ namespace strata {
 
 // ---- textures ----
 
-/// Adds textures to the scene and knows the names under which the file defines them.
-/// Adds textures to the scene. Materials and shapes may name one before its definition, as in
-/// pbrt-v4; other textures may not.
+/// Adds textures to the scene and knows the names under which the file defines them. Materials and
+/// shapes may name one before its definition, as in pbrt-v4; other textures may not.
 class TextureTable {
  public:
   explicit TextureTable(ReadContext& context) : context_(context) {}
@@ -133,6 +132,34 @@ class MaterialTable {
   TextureTable& textures_;
   std::map<std::string, Named> named_;
   std::vector<SourceLocation> where_;  ///< Of each material of the scene.
+};
+
+// ---- media ----
+
+/// Adds media to the scene. A name may be used before its definition, as in pbrt.
+class MediumTable {
+ public:
+  explicit MediumTable(ReadContext& context) : context_(context) {}
+
+  /// MakeNamedMedium "name". Media that are not the same everywhere become clear ones, with a
+  /// warning.
+  absl::Status Define(const std::string& name, std::string_view color_space,
+                      ParameterReader& parameters);
+  /// A name of MediumInterface; none is empty space.
+  MediumId Use(const std::string& name, const SourceLocation& where);
+  /// Errors for names that were used but never defined.
+  absl::Status CheckAllDefined() const;
+
+ private:
+  struct Named {
+    MediumId id = kNoMedium;
+    SourceLocation first_use;
+    bool defined = false;
+  };
+  Named& Find(const std::string& name, const SourceLocation& where);
+
+  ReadContext& context_;
+  std::map<std::string, Named> named_;
 };
 
 // ---- lights ----

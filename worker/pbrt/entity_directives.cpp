@@ -16,7 +16,8 @@ absl::Status SceneParser::Camera() {
   STRATA_ASSIGN_OR_RETURN(std::string type, ReadString());
   STRATA_ASSIGN_OR_RETURN(ParameterReader parameters, ReadTyped(&type));
   STRATA_RETURN_IF_ERROR(ReadCamera(type, state_.ctm, parameters, context_));
-  const CameraDescription& camera = context_.scene.camera;
+  CameraDescription& camera = context_.scene.camera;
+  camera.medium = state_.media.outside;
   coordinate_systems_["camera"] = {camera.camera_to_world,
                                    camera.camera_to_world_at_end.value_or(camera.camera_to_world)};
   return absl::OkStatus();
@@ -100,17 +101,18 @@ absl::Status SceneParser::NamedMaterial() {
 
 absl::Status SceneParser::MakeNamedMedium() {
   STRATA_ASSIGN_OR_RETURN(const std::string name, ReadString());
-  STRATA_RETURN_IF_ERROR(ParseParameters(tokens()).status());
-  context_.Warn(Here(), StrCat("participating media are not supported; \"", name,
-                               "\" is left out, as if it were clear"));
-  return absl::OkStatus();
+  STRATA_ASSIGN_OR_RETURN(ParameterReader parameters, ReadParameters(name, "medium"));
+  return media_.Define(name, state_.color_space, parameters);
 }
 
 absl::Status SceneParser::MediumInterface() {
-  STRATA_RETURN_IF_ERROR(ReadString().status());
+  STRATA_ASSIGN_OR_RETURN(const std::string inside, ReadString());
   STRATA_ASSIGN_OR_RETURN(const Token token, tokens().Peek());
-  if (token.kind == Token::Kind::kString) STRATA_RETURN_IF_ERROR(ReadString().status());
-  context_.Warn(Here(), "MediumInterface is ignored; participating media are not supported");
+  std::string outside = inside;
+  if (token.kind == Token::Kind::kString) {
+    STRATA_ASSIGN_OR_RETURN(outside, ReadString());
+  }
+  state_.media = {media_.Use(inside, Here()), media_.Use(outside, Here())};
   return absl::OkStatus();
 }
 
@@ -179,6 +181,7 @@ absl::Status SceneParser::Shape() {
   shape.material = state_.material;
   shape.reverse_orientation = state_.reverse_orientation;
   shape.alpha = *alpha;
+  if (state_.media.inside != state_.media.outside) shape.border = state_.media;
   if (state_.area_light) STRATA_RETURN_IF_ERROR(PlaceEmission(shape));
   auto& shapes = open_object_ ? context_.scene.objects[*open_object_].shapes
                  : moves      ? MovingShapes()

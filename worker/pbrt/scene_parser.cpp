@@ -20,7 +20,7 @@ constexpr size_t kMaxInclusions = 100'000;
 }  // namespace
 
 SceneParser::SceneParser(ReadContext& context)
-    : context_(context), textures_(context), materials_(context, textures_) {
+    : context_(context), textures_(context), materials_(context, textures_), media_(context) {
   // pbrt-v4's defaults of what need not be said.
   context.scene.defaults.filter = DefaultFilter(FilterKind::kGaussian);
 }
@@ -163,6 +163,7 @@ absl::Status SceneParser::Finish() {
   }
   STRATA_RETURN_IF_ERROR(textures_.CheckAllDefined());
   STRATA_RETURN_IF_ERROR(materials_.CheckAllDefined());
+  STRATA_RETURN_IF_ERROR(media_.CheckAllDefined());
   DarkenInterfaces();
   return PlaceShutter();
 }

@@ -32,6 +32,7 @@ class SceneParser {
     bool at_start = true, at_end = true;  ///< Which of both directives change (ActiveTransform).
     bool reverse_orientation = false;
     MaterialId material = 0;
+    MediumBorder media;  ///< Of MediumInterface.
     std::optional<AreaLight> area_light;
     std::string color_space = "srgb";
     /// Of Attribute directives, by target ("shape", "light", ...). Shared, as it rarely changes.
@@ -145,6 +146,7 @@ class SceneParser {
   ReadContext& context_;
   TextureTable textures_;
   MaterialTable materials_;
+  MediumTable media_;
 
   std::vector<OpenFile> files_;
   size_t inclusions_ = 0;  ///< Files opened so far, each as often as it was.

@@ -20,6 +20,9 @@ enum BouncePair : uint32_t {
   kPairSelect = 3,  ///< x: which light; y: Russian roulette, of shadow rays too.
   kPairsPerBounce = 4
 };
+/// One for each ray that is sent through media, beyond those of all bounces. x: distance; y: colour
+/// channel.
+inline constexpr uint32_t kPairFirstFlight = 1u << 20;
 
 /// What random numbers depend on, and nothing else (design, section 2).
 struct SampleKey {

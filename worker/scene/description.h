@@ -185,7 +185,7 @@ struct MixMaterial {
   /// Every point scatters as the weighted sum of both; else it has one of them, chosen at random.
   bool sum = false;
 };
-/// No surface at all, only the border of a medium. Shapes of it are left out of the geometry.
+/// No surface at all, at most the border of a medium. Shapes of it are left out of the geometry.
 struct InterfaceMaterial {};
 using MaterialDescription =
     std::variant<DiffuseMaterial, ConductorMaterial, DielectricMaterial, ThinDielectricMaterial,
@@ -208,6 +208,24 @@ struct SurfaceDetail {
   TextureId displacement = kNoTexture;
 
   bool Any() const { return normal_map != kNoTexture || displacement != kNoTexture; }
+};
+
+// ---- participating media ----
+
+using MediumId = int32_t;
+inline constexpr MediumId kNoMedium = -1;  ///< Empty space.
+
+/// The same everywhere. Coefficients are per scene unit, not negative.
+struct MediumDescription {
+  SourceLocation where;
+  Rgb absorption, scattering;
+  Rgb emission;  ///< Radiance that a unit of length emits, over the absorption.
+  float g = 0;   ///< In (-1, 1): the mean cosine of Henyey and Greenstein's phase function.
+};
+/// What lies on the two sides of a surface.
+struct MediumBorder {
+  MediumId inside = kNoMedium, outside = kNoMedium;  ///< The normal points outside.
+  auto operator<=>(const MediumBorder&) const = default;
 };
 
 // ---- shapes, in their own space, placed by `to_world` ----
@@ -275,6 +293,8 @@ struct ShapeDescription {
   bool reverse_orientation = false;
   std::optional<AreaEmission> emission;
   AlphaMask alpha;
+  /// What it parts. Rays that cross a shape without stay in their medium.
+  std::optional<MediumBorder> border;
 };
 
 /// Shapes that are placed by instances; their to_world leads to the object's space.
@@ -367,6 +387,7 @@ struct CameraDescription {
   std::optional<std::array<float, 4>> screen_window;
   /// How a spherical camera's frame holds the directions around it; y is up.
   EnvironmentMapping spherical_mapping = EnvironmentMapping::kEqualArea;
+  MediumId medium = kNoMedium;  ///< Where it stands.
 };
 
 /// What the file says of the frame; job options override it.
@@ -386,6 +407,7 @@ struct SceneDescription {
   std::vector<MaterialDescription> materials;  ///< Never empty: 0 is pbrt's default, diffuse 0.5.
   /// Of the materials that have any. A mix has that of the material it chooses, a sum has its own.
   std::map<MaterialId, SurfaceDetail> surface_details;
+  std::vector<MediumDescription> media;
   std::vector<ShapeDescription> shapes;
   std::vector<ObjectDescription> objects;
   std::vector<InstanceDescription> instances;

@@ -18,6 +18,7 @@ uint32_t FeaturesOf(const Scene& scene) {
     if (row.flags != BaseRow::kBase) features |= kOtherMaterials;
   }
   if (scene.lights().SelectNeedsLowBits()) features |= kManyLights;
+  if (!scene.media().empty()) features |= kMedia;
   return features;
 }
 
@@ -31,6 +32,7 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Build(SceneDescription descr
   scene->origin_ = Recentre(description);
   scene->camera_ = description.camera;
   scene->defaults_ = description.defaults;
+  STRATA_ASSIGN_OR_RETURN(scene->media_, MediumSet::Build(&description));
   STRATA_ASSIGN_OR_RETURN(scene->geometry_, Geometry::Build(description, options));
   // The meshes live in the geometry now; images may need the room.
   description.shapes.clear();

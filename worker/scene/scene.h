@@ -8,6 +8,7 @@
 #include "worker/geometry/texture.h"
 #include "worker/light/light_set.h"
 #include "worker/light/mirror_images.h"
+#include "worker/medium/medium_set.h"
 #include "worker/scene/build_options.h"
 #include "worker/scene/description.h"
 #include "worker/scene/features.h"
@@ -28,6 +29,7 @@ class Scene {
   const TextureSet& textures() const { return *textures_; }
   const MaterialSet& materials() const { return *materials_; }
   const LightSet& lights() const { return *lights_; }
+  const MediumSet& media() const { return *media_; }
   const MirrorImages& mirror_images() const { return mirror_images_; }
   const BuildOptions& options() const { return options_; }
   /// Features that a kernel must have for this scene.
@@ -48,6 +50,7 @@ class Scene {
   std::unique_ptr<TextureSet> textures_;
   std::unique_ptr<MaterialSet> materials_;
   std::unique_ptr<LightSet> lights_;
+  std::unique_ptr<MediumSet> media_;
   MirrorImages mirror_images_;
   uint32_t features_ = kAllFeatures;
 };

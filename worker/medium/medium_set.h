@@ -1,0 +1,82 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "common/status.h"
+#include "worker/bsdf/bsdf.h"
+#include "worker/geometry/geometry.h"
+#include "worker/medium/medium.h"
+#include "worker/scene/description.h"
+
+namespace strata {
+
+/// Where a ray that was sent through media came to its next vertex.
+struct Flight {
+  bool scattered = false;       ///< In the medium; else it came to ray.t_max.
+  float t = 0;                  ///< Of the scattering.
+  MediumId medium = kNoMedium;  ///< There.
+  Rgb weight = {1, 1, 1};       ///< Multiplies the throughput.
+  Rgb emitted;  ///< By media on the way: radiance, to be multiplied by the throughput before it.
+};
+
+/// The media of a scene and where they lie. Immutable after Build, so thread-safe.
+///
+/// A ray knows the medium it is in and changes it at borders: at surfaces, when it goes through
+/// them, and at borders that are nothing else ("interface" in pbrt). Those are no part of the
+/// scene's geometry but of one of their own, in which each flight finds the stretches it goes by.
+class MediumSet {
+ public:
+  /// Takes borders that are no surfaces out of `scene` and gives surfaces that are borders
+  /// materials of their own, by which the set knows them. INVALID_ARGUMENT for coefficients out of
+  /// their range and ids that lead nowhere, or as Geometry::Build.
+  static absl::StatusOr<std::unique_ptr<MediumSet>> Build(SceneDescription* scene);
+
+  /// Whether all is empty space.
+  bool empty() const { return media_.empty(); }
+  MediumId camera_medium() const { return camera_medium_; }
+  /// Whether rays that are in no medium may come into one on their way; null if not.
+  const Geometry* borders() const { return borders_.get(); }
+
+  /// The medium of a path that is in `medium`, after it left a point of a surface of `material`
+  /// whose outer normal is `ng` in direction `w`.
+  MediumId Entered(MaterialId material, Vec3f ng, Vec3f w, MediumId medium) const {
+    const auto* border = BorderOf(material);
+    if (!border) return medium;
+    return Dot(w, ng) > 0 ? border->outside : border->inside;
+  }
+  const Bsdf& phase(MediumId medium) const { return phases_[static_cast<size_t>(medium)]; }
+
+  /// Follows `ray`, whose direction is of unit length, from `medium` to the first scattering before
+  /// ray.t_max. The distance is drawn for one channel, chosen by its part in the throughput `beta`,
+  /// and weighed by the density of all three: one-sample MIS (Wilkie et al. 2014, "Hero Wavelength
+  /// Spectral Sampling"; PBRT 14.2.2), so that the sum over the channels of beta times weight stays
+  /// at most what it was. u.x is for the distance, of all media on the way, u.y for the channel.
+  Flight Fly(const Ray& ray, MediumId medium, Rgb beta, Vec2f u) const;
+
+  /// The part of radiance that is left of it over a segment that starts in `medium`.
+  Rgb Transmittance(const Ray& ray, MediumId medium) const;
+
+ private:
+  MediumSet() = default;
+  const MediumBorder* BorderOf(MaterialId material) const {
+    const auto& border = border_of_[static_cast<size_t>(material)];
+    return border ? &*border : nullptr;
+  }
+  /// Makes media_ and phases_.
+  absl::Status SetMedia(const SceneDescription& scene);
+  /// Makes border_of_.
+  absl::Status SetBorders(SceneDescription* scene);
+  /// Calls f(medium, length) for each stretch of the ray in turn until it is false.
+  template <typename F>
+  void ForEachStretch(Ray ray, MediumId medium, F f) const;
+
+  std::vector<Medium> media_;
+  std::vector<Bsdf> phases_;                            ///< PhaseFunctions, of each medium.
+  std::vector<std::optional<MediumBorder>> border_of_;  ///< Each material.
+  std::unique_ptr<Geometry> borders_;
+  MediumId camera_medium_ = kNoMedium;
+};
+
+}  // namespace strata

@@ -1,0 +1,104 @@
+#include <algorithm>
+#include <iterator>
+
+#include "worker/pbrt/entities.h"
+
+namespace strata {
+namespace {
+
+#include "worker/pbrt/media_tables.inl"
+
+/// What pbrt has where a file says nothing: whole milk.
+constexpr Rgb kDefaultScattering = {2.55f, 3.21f, 3.77f};
+constexpr Rgb kDefaultAbsorption = {0.0011f, 0.0024f, 0.014f};
+
+MediumDescription ReadHomogeneous(ParameterReader& parameters, std::string_view color_space,
+                                  ReadContext& context) {
+  MediumDescription medium;
+  medium.where = parameters.where();
+  const auto color = [&](std::string_view name, Rgb fallback, SpectrumUse use) {
+    return ColorParameter(parameters, name, fallback, use, color_space, context);
+  };
+  medium.absorption = color("sigma_a", kDefaultAbsorption, SpectrumUse::kUnbounded);
+  medium.scattering = color("sigma_s", kDefaultScattering, SpectrumUse::kUnbounded);
+  if (const std::string preset = parameters.String("preset", ""); !preset.empty()) {
+    const auto* found = std::find_if(std::begin(kMeasuredMedia), std::end(kMeasuredMedia),
+                                     [&](const auto& medium) { return preset == medium.name; });
+    if (found == std::end(kMeasuredMedia)) {
+      parameters.Fail(parameters.where(),
+                      StrCat("there is no preset \"", preset,
+                             "\" of a medium; give \"sigma_a\" and \"sigma_s\" in its place"));
+      return medium;
+    }
+    medium.absorption = found->absorption;
+    medium.scattering = found->scattering;
+  }
+  const double scale = parameters.Float("scale", 1);
+  if (scale < 0) parameters.Fail(parameters.where(), "the \"scale\" of a medium is negative");
+  medium.absorption *= static_cast<float>(scale);
+  medium.scattering *= static_cast<float>(scale);
+  const double emission_scale = parameters.Float("Lescale", 1);
+  if (emission_scale < 0)
+    parameters.Fail(parameters.where(), "the \"Lescale\" of a medium is negative");
+  medium.emission =
+      color("Le", Rgb{}, SpectrumUse::kIlluminant) * static_cast<float>(emission_scale);
+  medium.g = static_cast<float>(parameters.Float("g", 0));
+  if (!(medium.g > -1 && medium.g < 1))
+    parameters.Fail(parameters.where(), StrCat("the \"g\" of a medium is ", medium.g,
+                                               "; it must lie between -1 and 1"));
+  return medium;
+}
+
+}  // namespace
+
+absl::Status MediumTable::Define(const std::string& name, std::string_view color_space,
+                                 ParameterReader& parameters) {
+  const std::string type = parameters.String("type", "");
+  if (type.empty())
+    return ErrorAt(parameters.where(),
+                   StrCat("MakeNamedMedium \"", name, "\" wants a \"string type\""));
+  MediumDescription medium;
+  if (type == "homogeneous") {
+    medium = ReadHomogeneous(parameters, color_space, context_);
+  } else if (type == "uniformgrid" || type == "rgbgrid" || type == "cloud" || type == "nanovdb" ||
+             type == "heterogeneous") {
+    context_.Warn(parameters.where(),
+                  StrCat("media of type \"", type, "\" are not supported, only \"homogeneous\"; \"",
+                         name, "\" is left out, as if it were clear"));
+    parameters.IgnoreAll();
+  } else {
+    return ErrorAt(parameters.where(), StrCat("there is no medium of type \"", type, "\""));
+  }
+  STRATA_RETURN_IF_ERROR(parameters.Finish(context_.warnings));
+  Named& named = Find(name, parameters.where());
+  if (named.defined)
+    return ErrorAt(parameters.where(), StrCat("medium \"", name, "\" is defined twice"));
+  named.defined = true;
+  context_.scene.media[static_cast<size_t>(named.id)] = medium;
+  return absl::OkStatus();
+}
+
+MediumId MediumTable::Use(const std::string& name, const SourceLocation& where) {
+  return name.empty() ? kNoMedium : Find(name, where).id;
+}
+
+MediumTable::Named& MediumTable::Find(const std::string& name, const SourceLocation& where) {
+  const auto [it, is_new] = named_.try_emplace(name);
+  if (is_new) {
+    it->second.id = static_cast<MediumId>(context_.scene.media.size());
+    it->second.first_use = where;
+    context_.scene.media.emplace_back();
+  }
+  return it->second;
+}
+
+absl::Status MediumTable::CheckAllDefined() const {
+  for (const auto& [name, named] : named_) {
+    if (!named.defined)
+      return ErrorAt(named.first_use,
+                     StrCat("there is no medium \"", name, "\"; define it with MakeNamedMedium"));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace strata
