@@ -225,7 +225,7 @@ TEST(Media, DistancesHaveTheDensityThatWeighsThem) {
   const auto media = *MediumSet::Build(&scene);
   const Rgb beta = {0.9f, 0.4f, 0.2f};
   const double rates[] = {0.5, 1.0, 2.5}, shares[] = {0.6, 0.4 / 1.5, 0.2 / 1.5};
-  constexpr int kBins = 50, kDraws = 1'000'000;
+  constexpr int kBins = 50, kDraws = 10'000'000;
   constexpr double kEnd = 2;
   const auto passing = [&](double t, double error) {
     double p = 0;
