@@ -171,8 +171,9 @@ void TraceWith(const Renderer::State& job, TracedSamples<Sampler>& samples,
 template <typename Sampler>
 void TraceSideBySide(const Renderer::State& job, TracedSamples<Sampler>& samples,
                      std::vector<HeldSample>& held) {
-  // What rooms have; other samplers than the default are not worth kernels of their own.
-  constexpr uint32_t kIndoors = kOtherMaterials | kManyLights;
+  // What rooms have, glass that absorbs too; other samplers than the default are not worth kernels
+  // of their own.
+  constexpr uint32_t kIndoors = kOtherMaterials | kManyLights | kMedia;
   const uint32_t needed = job.scene->features();
   if constexpr (std::is_same_v<Sampler, SobolSampler>) {
     if (needed == kNoFeatures) return TraceWith<Sampler, kNoFeatures>(job, samples, held);
