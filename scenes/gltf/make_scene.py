@@ -182,7 +182,9 @@ def materials():
         "KHR_materials_transmission": {"transmissionFactor": 0.9}})
     glass = surface((1, 1, 1), 0, 0, extensions={
         "KHR_materials_transmission": {"transmissionFactor": 1},
-        "KHR_materials_ior": {"ior": 1.5}, "KHR_materials_volume": {"thicknessFactor": 1}})
+        "KHR_materials_ior": {"ior": 1.5}, "KHR_materials_volume": {
+            "thicknessFactor": 1, "attenuationColor": [0.45, 0.8, 0.95],
+            "attenuationDistance": 0.8}})
 
     def stripe(x, y):
         return (255, 150, 40) if (x // 8 + y // 8) % 4 == 0 else (0, 0, 0)

@@ -166,7 +166,29 @@ TEST(GltfMaterial, BodiesRefract) {
   EXPECT_FLOAT_EQ(std::get<DielectricMaterial>(read.file.scene.materials[mix.b]).eta, 1.33f);
   EXPECT_EQ(std::get<MetallicRoughnessMaterial>(read.file.scene.materials[mix.a]).transmission,
             kNoTexture);
-  EXPECT_TRUE(Warns(read.file, "KHR_materials_volume", "attenuation"));
+  EXPECT_FALSE(Warns(read.file, "KHR_materials_volume", ""));
+  EXPECT_FALSE(read.file.scene.shapes.at(0).border);
+}
+
+TEST(GltfMaterial, BodiesAbsorb) {
+  const auto body = [](Json color, Json volume) {
+    volume["thicknessFactor"] = 1;
+    return Read({{"pbrMetallicRoughness", {{"baseColorFactor", color}}},
+                 {"extensions",
+                  {{"KHR_materials_transmission", {{"transmissionFactor", 1}}},
+                   {"KHR_materials_volume", volume}}}});
+  };
+  const ReadMaterial read =
+      body({1, 1, 1, 1}, {{"attenuationColor", {1, 0.5, 0}}, {"attenuationDistance", 2}});
+  ASSERT_EQ(read.file.scene.media.size(), 1u);
+  const MediumDescription& medium = read.file.scene.media[0];
+  EXPECT_EQ(medium.absorption.r, 0);
+  EXPECT_NEAR(medium.absorption.g, std::log(2) / 2, 1e-6);
+  EXPECT_NEAR(medium.absorption.b, std::log(1e6) / 2, 1e-5);
+  EXPECT_EQ(medium.scattering, Rgb{});
+  EXPECT_EQ(read.file.scene.shapes.at(0).border, (MediumBorder{0, kNoMedium}));
+  EXPECT_FALSE(Warns(read.file, "KHR_materials_volume", ""));
+  EXPECT_TRUE(Warns(body({1, 1, 0.5, 1}, Json::object()).file, "KHR_materials_volume", "tint"));
 }
 
 TEST(GltfMaterial, UnlitEmitsItsColour) {

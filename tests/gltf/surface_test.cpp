@@ -167,6 +167,37 @@ TEST_P(GltfAlpha, BlendIsThereAsOftenAsAlphaSays) {
 INSTANTIATE_TEST_SUITE_P(Kernels, GltfAlpha,
                          testing::Values(KernelKind::kFast, KernelKind::kReference));
 
+// ---- bodies ----
+
+class GltfBody : public GltfSurface {};
+
+/// Both faces of a body of index 1 and thickness 2, whose light falls to a quarter over a distance
+/// of 4, before an environment of radiance 1.
+TEST_P(GltfBody, AbsorbsByTheWayOfLightWithin) {
+  GltfFile file;
+  file.Append("materials",
+              {{"pbrMetallicRoughness", {{"metallicFactor", 0}, {"roughnessFactor", 0}}},
+               {"extensions",
+                {{"KHR_materials_transmission", {{"transmissionFactor", 1}}},
+                 {"KHR_materials_ior", {{"ior", 1}}},
+                 {"KHR_materials_volume",
+                  {{"thicknessFactor", 2},
+                   {"attenuationColor", {1, 0.25, 1}},
+                   {"attenuationDistance", 4}}}}}});
+  const int face = file.AddSquare({{"material", 0}});
+  file.AddNode({{"mesh", face}});
+  // Turned about its lower edge to face the other way.
+  file.AddNode({{"mesh", face}, {"rotation", {0, 1, 0, 0}}, {"translation", {1, 0, -2}}});
+  AddOrthographicCamera(file, 0.5, 0.5, 0.4, 0.4);
+  folder_.Write("scene.gltf", file.Text());
+  JobSpec spec = TestSpec(8, 64, 4);
+  spec.kernel = GetParam();
+  ExpectMean(RenderFrame(LoadFile(folder_), spec), 0.5);
+}
+
+INSTANTIATE_TEST_SUITE_P(Kernels, GltfBody,
+                         testing::Values(KernelKind::kFast, KernelKind::kReference));
+
 // ---- cameras ----
 
 class GltfOrthographic : public GltfSurface {};

@@ -148,7 +148,7 @@ absl::StatusOr<SurfaceDescription> MaterialMaker::Build(const Source& source,
   STRATA_ASSIGN_OR_RETURN(MetallicRoughnessMaterial material,
                           MetallicRoughnessOf(source, base_color));
   const size_t first = document_.scene.materials.size();
-  STRATA_ASSIGN_OR_RETURN(surface.material, AddVolume(source, std::move(material)));
+  STRATA_RETURN_IF_ERROR(AddVolume(source, std::move(material), &surface));
   STRATA_ASSIGN_OR_RETURN(const SurfaceDetail detail, Detail(source));
   for (size_t id = first; detail.Any() && id < document_.scene.materials.size(); ++id) {
     // A mix has the details of its parts.
@@ -271,14 +271,18 @@ absl::Status MaterialMaker::AddExtensions(const Source& source,
   return absl::OkStatus();
 }
 
-absl::StatusOr<MaterialId> MaterialMaker::AddVolume(const Source& source,
-                                                    MetallicRoughnessMaterial material) {
+absl::Status MaterialMaker::AddVolume(const Source& source, MetallicRoughnessMaterial material,
+                                      SurfaceDescription* surface) {
   const GltfExtension volume = source.Extension(document_, kVolume);
   STRATA_ASSIGN_OR_RETURN(const double thickness, volume.Number("thicknessFactor", 0));
-  if (thickness <= 0 || material.transmission == kNoTexture) return Add(std::move(material));
-  document_.Warn(volume.element(),
-                 "what is inside is clear: base colour and attenuation of the "
-                 "light that passes are left out");
+  if (thickness <= 0 || material.transmission == kNoTexture) {
+    surface->material = Add(std::move(material));
+    return absl::OkStatus();
+  }
+  STRATA_RETURN_IF_ERROR(AddAttenuation(volume, surface));
+  const auto* color = std::get_if<ConstantTexture>(&document_.scene.textures[material.base_color]);
+  if (!color || color->value != Rgb{1, 1, 1})
+    document_.Warn(volume.element(), "the base colour does not tint the light that passes");
   STRATA_ASSIGN_OR_RETURN(const double index, source.Extension(document_, kIor).Number("ior", 1.5));
   const TextureId passing = std::exchange(material.transmission, kNoTexture);
   DielectricMaterial glass;
@@ -288,9 +292,31 @@ absl::StatusOr<MaterialId> MaterialMaker::AddVolume(const Source& source,
   const TextureId dielectric = textures_.Add(MixTexture{.a = textures_.Constant({1, 1, 1}),
                                                         .b = textures_.Constant({}),
                                                         .amount = material.metallic});
-  const MaterialId surface = Add(std::move(material)), interior = Add(std::move(glass));
-  return Add(
-      MixMaterial{.a = surface, .b = interior, .amount = textures_.Product(passing, dielectric)});
+  const MaterialId border = Add(std::move(material)), interior = Add(std::move(glass));
+  surface->material = Add(
+      MixMaterial{.a = border, .b = interior, .amount = textures_.Product(passing, dielectric)});
+  return absl::OkStatus();
+}
+
+absl::Status MaterialMaker::AddAttenuation(const GltfExtension& volume,
+                                           SurfaceDescription* surface) {
+  if (!volume.Has("attenuationDistance")) return absl::OkStatus();
+  STRATA_ASSIGN_OR_RETURN(const double distance, volume.Number("attenuationDistance", 0));
+  STRATA_ASSIGN_OR_RETURN(const std::vector<double> color,
+                          volume.Numbers("attenuationColor", {1, 1, 1}));
+  if (!(distance > 0))
+    return document_.Error(volume.element(), "attenuationDistance must be positive");
+  // What is left of white light after the distance; of black no more than this.
+  constexpr double kLeast = 1e-6;
+  const auto absorption = [&](double left) {
+    return static_cast<float>(-std::log(std::clamp(left, kLeast, 1.0)) / distance);
+  };
+  MediumDescription medium;
+  medium.where = document_.At(volume.element());
+  medium.absorption = {absorption(color[0]), absorption(color[1]), absorption(color[2])};
+  surface->border = MediumBorder{static_cast<MediumId>(document_.scene.media.size()), kNoMedium};
+  document_.scene.media.push_back(medium);
+  return absl::OkStatus();
 }
 
 absl::StatusOr<TextureId> MaterialMaker::Factor(const GltfExtension& extension,

@@ -31,6 +31,7 @@ struct SurfaceDescription {
   MaterialId material = 0;
   std::optional<AreaEmission> emission;
   AlphaMask alpha;
+  std::optional<MediumBorder> border;
 };
 
 /// Makes the materials of a scene, each once. Both sides of a surface are rendered whether it is
@@ -67,8 +68,11 @@ class MaterialMaker {
   absl::StatusOr<SurfaceDetail> Detail(const Source& source);
   absl::StatusOr<MetallicRoughnessMaterial> MetallicRoughnessOf(const Source& source,
                                                                 TextureId base_color);
-  /// Of a body with KHR_materials_volume what passes the surface is refracted, as by glass.
-  absl::StatusOr<MaterialId> AddVolume(const Source& source, MetallicRoughnessMaterial material);
+  /// Of a body with KHR_materials_volume what passes the surface is refracted, as by glass, and
+  /// absorbed within.
+  absl::Status AddVolume(const Source& source, MetallicRoughnessMaterial material,
+                         SurfaceDescription* surface);
+  absl::Status AddAttenuation(const GltfExtension& volume, SurfaceDescription* surface);
   absl::Status AddExtensions(const Source& source, MetallicRoughnessMaterial* material);
   absl::StatusOr<std::optional<AreaEmission>> Emission(const Source& source);
   /// The product of the extension's factor and one channel of its texture; kNoTexture if it is

@@ -79,6 +79,7 @@ class PrimitiveReader {
     shape.material = surface.material;
     shape.alpha = surface.alpha;
     shape.emission = surface.emission;
+    shape.border = surface.border;
     return shape;
   }
 
