@@ -26,6 +26,7 @@ for name in textured point spot projection goniometric daylight latlong portal; 
   picture lights/$name.pbrt lights/$name.png --spp 512
 done
 picture detail/detail.pbrt detail/detail.png
+picture media/media.pbrt media/media.png
 picture leaves/leaves.pbrt leaves/leaves.png
 picture lobes/lobes.pbrt lobes/lobes.png
 picture metals/anisotropic.pbrt metals/anisotropic.png --spp 512
