@@ -207,15 +207,85 @@ TEST(Media, KernelsTraceTheSamePaths) {
   spec.channels = {.alpha = true, .albedo = true, .normal = true, .depth = true};
   const TestScene room = FoggyRoom();
   EXPECT_GE(AgreeingShare(BuildScene(room), spec, 1e-5), 0.999);
-  // Without borders that are no surfaces; and with an object of which one copy moves.
+  // With an object of which one copy moves.
+  constexpr size_t kGlow = 4;
   TestScene moving = room;
-  ObjectDescription object = {"ball", {moving.description.shapes[4]}};
-  moving.description.shapes.erase(moving.description.shapes.begin() + 4);
+  ObjectDescription object = {"ball", {moving.description.shapes[kGlow]}};
+  moving.description.shapes.erase(moving.description.shapes.begin() + kGlow);
   moving.description.objects.push_back(object);
   moving.description.instances.push_back({{"test", 1}, 0, Transform(), std::nullopt});
   moving.description.instances.push_back(
       {{"test", 1}, 0, Transform::Translate(0, 1, 0), Transform::Translate(0.5, 1.5, 0)});
   EXPECT_GE(AgreeingShare(BuildScene(moving), spec, 1e-5), 0.999);
+  // Without borders that are no surfaces, in unbounded fog.
+  TestScene unbounded = room;
+  std::erase_if(unbounded.description.shapes, [&](const ShapeDescription& shape) {
+    return std::holds_alternative<InterfaceMaterial>(
+        unbounded.description.materials[shape.material]);
+  });
+  const auto built = BuildScene(unbounded);
+  EXPECT_EQ(built->media().borders(), nullptr);
+  EXPECT_GE(AgreeingShare(built, spec, 1e-5), 0.999);
+}
+
+TEST(Media, InstancesOfBordersAreWhereTheyArePlaced) {
+  TestScene scene = BallOf({.absorption = kThin}, 0.75f);
+  scene.description.objects.push_back({"ball", {scene.description.shapes[0]}});
+  scene.description.shapes.clear();
+  scene.description.instances.push_back(
+      {{"test", 1}, 0, Transform::Translate(5, 1, 2) * Transform::Scale(-2, 2, 2), std::nullopt});
+  scene.Camera({5, 1, 2}, {5, 1, 7}, 40);
+  ExpectColor(RenderFrame(BuildScene(scene), TestSpec(8, 8, 3)),
+              {std::exp(-1.5 * kThin.r), std::exp(-1.5 * kThin.g), std::exp(-1.5 * kThin.b)});
+}
+
+TEST(Media, AllOfAShadowRaysWayFades) {
+  // Thirty optical depths above a plate: a part of 1e-4 of the way would be seen.
+  TestScene scene;
+  const MediumId dense = AddMedium(scene, {.absorption = {10, 10, 10}});
+  scene.Polygon({{-0.01f, 0, -0.01f}, {-0.01f, 0, 0.01f}, {0.01f, 0, 0.01f}, {0.01f, 0, -0.01f}},
+                scene.Diffuse(1.0f));
+  scene.Light(PointLightDescription{{0, 3, 0}, Rgb::Gray(1e10f)});
+  scene.Camera({0, 0.1f, 0}, {0, 0, 0}, 0.001f);
+  scene.description.camera.medium = dense;
+  const double truth = 1e10 / 9 / std::numbers::pi * std::exp(-30.0 - 1.0);
+  for (const KernelKind kernel : {KernelKind::kFast, KernelKind::kReference}) {
+    JobSpec spec = TestSpec(2, 8, 1);
+    spec.kernel = kernel;
+    EXPECT_NEAR(FrameMean(RenderFrame(BuildScene(scene), spec), 1).mean / truth, 1, 2e-5);
+  }
+}
+
+TEST(Media, TracesOfAMediumAreNothing) {
+  // Free paths beyond floats: the environment is seen as it is.
+  for (const Rgb scattering : {Rgb{1e-19f, 1e-19f, 1e-19f}, Rgb{1e-40f, 1e-15f, 0}}) {
+    TestScene scene;
+    scene.description.camera.medium = AddMedium(scene, {.scattering = scattering});
+    scene.Sphere({0, 0, 5}, 0.1f, scene.Diffuse(1.0f));
+    scene.Light(ConstantInfiniteLightDescription{Rgb::Gray(1)});
+    scene.Camera({0, 0, 0}, {0, 0, 1}, 40);
+    for (const KernelKind kernel : {KernelKind::kFast, KernelKind::kReference}) {
+      JobSpec spec = TestSpec(8, 64, 5);
+      spec.kernel = kernel;
+      EXPECT_TRUE(Agrees(FrameMean(RenderFrame(BuildScene(scene), spec), 0), 1));
+    }
+  }
+}
+
+TEST(Media, LampsBesideARayAreChosenAsThoseBehindIt) {
+  // Fog before a near lamp at the side, and another that is far away: at the other side, or behind.
+  const auto spread = [](Vec3d far) {
+    TestScene scene;
+    const MediumId fog = AddMedium(scene, {.scattering = Rgb::Gray(0.2f)});
+    scene.description.camera.medium = fog;
+    AddBall(scene, 2, {fog, kNoMedium});
+    scene.Light(PointLightDescription{{3, 0, 0.5f}, Rgb::Gray(10)});
+    scene.Light(PointLightDescription{far, Rgb::Gray(10)});
+    scene.Camera({0, 0, 0}, {0, 0, 1}, 2);
+    const Estimate mean = FrameMean(RenderFrame(BuildScene(scene), TestSpec(16, 256, 1)), 1);
+    return mean.standard_error / mean.mean;
+  };
+  EXPECT_LT(spread({0, 0, -13}), 1.3 * spread({-13, 0, 0}));
 }
 
 TEST(Media, DistancesHaveTheDensityThatWeighsThem) {
@@ -270,6 +340,19 @@ TEST(Media, ClearOnesCostNothing) {
   EXPECT_TRUE(BuildScene(BallOf({}, 1))->media().empty());
   EXPECT_EQ(BuildScene(BallOf({}, 1))->features() & kMedia, 0u);
   EXPECT_EQ(BuildScene(BallOf({.absorption = {1, 0, 0}}, 1))->features() & kMedia, kMedia);
+  // Glass that would part them is as glass that parts nothing.
+  const auto glass = [](bool border) {
+    TestScene scene;
+    const MediumId clear = AddMedium(scene, {});
+    scene.Sphere({0, 0, 3}, 1, scene.Material(DielectricMaterial{.eta = 1.5f}));
+    if (border) scene.description.shapes.back().border = MediumBorder{clear, kNoMedium};
+    scene.Light(ConstantInfiniteLightDescription{Rgb::Gray(1)});
+    scene.Camera({0, 0, 0}, {0, 0, 1}, 30);
+    JobSpec spec = TestSpec(8, 8, 5);
+    spec.kernel = KernelKind::kReference;
+    return RenderFrame(BuildScene(scene), spec).values;
+  };
+  EXPECT_EQ(glass(true), glass(false));
 }
 
 }  // namespace

@@ -128,6 +128,12 @@ inline Ray ShadowRay(const SurfacePoint& point, const LightSample& light, float 
   return ray;
 }
 
+/// All of a shadow ray's way, as media have it.
+inline Ray WholeWay(Ray shadow, const LightSample& light) {
+  if (!light.infinite) shadow.t_max = 1;
+  return shadow;
+}
+
 /// The point of a medium where light was scattered after it came along `ray`.
 inline SurfacePoint PointInMedium(const Ray& ray, float t) {
   SurfacePoint point;
@@ -253,7 +259,7 @@ class PathTracer {
 
   static LightReceiver ReceiverAt(const PathVertex& vertex) {
     const Vec3f n = vertex.frame.z;
-    return {vertex.point.p, vertex.wo.z < 0 ? -n : n, !Transmits(*vertex.bsdf)};
+    return {vertex.point.p, vertex.wo.z < 0 ? -n : n, !Transmits(*vertex.bsdf), vertex.in_medium};
   }
 
   void MakeBsdf(int depth, const Ray& ray, const Hit& hit, PathVertex& vertex) {
@@ -325,7 +331,8 @@ class PathTracer {
       const Ray ray = path_detail::ShadowRay(vertex.point, *light, time, ray_id);
       direct.blocked = scene_.geometry().Occluded(ray);
       if (!direct.blocked && !scene_.media().empty())
-        direct.transmittance = scene_.media().Transmittance(ray, MediumTowards(vertex, light->wi));
+        direct.transmittance = scene_.media().Transmittance(path_detail::WholeWay(ray, *light),
+                                                            MediumTowards(vertex, light->wi));
     }
     contribution *= direct.transmittance;
     if (direct.blocked || !direct.traced) contribution = {};

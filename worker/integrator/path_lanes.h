@@ -22,6 +22,8 @@ namespace strata {
 /// kHas are Features: a superset of the scene's.
 template <typename Sampler, uint32_t kHas>
 class PathLanes {
+  static_assert(!(kHas & kMedia) || (kHas & kOtherMaterials), "phase functions are others");
+
  public:
   PathLanes(const Scene& scene, const PathSettings& settings)
       : scene_(scene), settings_(settings), sure_survival_(SameFloat(settings.sure_survival)) {}
@@ -231,6 +233,7 @@ class PathLanes {
     lambertian_ = bases.bare;
     coated_ = bases.coated;
     receiver_.one_sided = mask;
+    receiver_.in_medium = InMedium(mask);
     ForEachLane(OtherMaterials(mask), [&](int lane) {
       bsdf_[lane] = &BsdfOf(lane, hits, wo.Get(lane));
       if (Transmits(*bsdf_[lane])) receiver_.one_sided[lane] = 0;
@@ -365,7 +368,10 @@ class PathLanes {
     shadow.time = ray_.time;
     shadow.t_max = sample.infinite ? shadow.t_max : SameFloat(path_detail::kShadowEnd);
     mask &= ~Occluded(scene_.geometry(), shadow, mask);
-    if (HasMedia()) Fade(shadow, sample.wi, mask, &contribution);
+    if (HasMedia()) {
+      shadow.t_max = sample.infinite ? shadow.t_max : SameFloat(1);
+      Fade(shadow, sample.wi, mask, &contribution);
+    }
     radiance_ = Select(mask, radiance_ + contribution, radiance_);
   }
 

@@ -24,6 +24,8 @@ class DigestScene {
   }
 
  private:
+  static constexpr MaterialId kInterface = 11;  ///< The last.
+
   TextureId Texture(TextureDescription texture) {
     scene_.textures.push_back(std::move(texture));
     return static_cast<TextureId>(scene_.textures.size()) - 1;
@@ -50,6 +52,17 @@ class DigestScene {
         CoatedConductorMaterial{.interface_roughness = rough, .eta = eta, .k = k},
         DiffuseTransmissionMaterial{.reflectance = half, .transmittance = Gray(0.3f)},
         MixMaterial{.a = 2, .b = 1, .amount = half},
+        InterfaceMaterial{},
+    };
+    const SourceLocation where = {"traced digest", 1};
+    scene_.media = {
+        {.where = where, .absorption = {0.01f, 0.01f, 0.02f}, .scattering = {0.03f, 0.02f, 0.02f}},
+        {.where = where, .absorption = {0.1f, 0.5f, 1}},
+        {.where = where,
+         .absorption = {0.5f, 0.4f, 0.3f},
+         .scattering = {2, 3, 4},
+         .emission = {0.3f, 0.1f, 0},
+         .g = 0.4f},
     };
   }
 
@@ -82,11 +95,17 @@ class DigestScene {
     shapes.push_back(Shape(mirror, 2, {0, 0, 0}));
     shapes.push_back(Shape(patch, 1, {0, 0, 0}));
     // A grid of spheres, one for each of the other materials.
-    for (int material = 2; material < static_cast<int>(scene_.materials.size()); ++material) {
+    for (int material = 2; material < kInterface; ++material) {
       const int i = material - 2;
       shapes.push_back(Shape(SphereShape{.radius = 0.5f, .z_min = -0.5f, .z_max = 0.5f}, material,
                              {-1.6f + 1.6f * (i % 3), -0.5f + 1.1f * (i / 3), 1.0f}));
     }
+    // Glass with a medium in it, and a border that is nothing else.
+    for (ShapeDescription& shape : shapes)
+      if (shape.material == 4) shape.border = MediumBorder{1, 0};
+    shapes.push_back(Shape(SphereShape{.radius = 0.5f, .z_min = -0.5f, .z_max = 0.5f}, kInterface,
+                           {1.4f, -0.4f, -0.6f}));
+    shapes.back().border = MediumBorder{2, 0};
     shapes.push_back(Shape(CylinderShape{.radius = 0.3f}, 2, {-2.8f, 0, 0.5f}));
     ObjectDescription& object = scene_.objects.emplace_back();
     object.shapes.push_back(Shape(DiskShape{.radius = 0.6f}, 7, {0, 0, 0}));
@@ -128,6 +147,7 @@ class DigestScene {
         *Transform::LookAt({0, 0.8, -6}, {0, 0.4, 1}, {0, 1, 0})->Inverse();
     scene_.camera.fov = 50;
     scene_.camera.lens_radius = 0.05f;
+    scene_.camera.medium = 0;
     scene_.camera.focal_distance = 6.5f;
   }
 

@@ -9,6 +9,7 @@ struct LightReceiver {
   Vec3f p;
   Vec3f n;                 ///< Unit shading normal; if one_sided, on the side that is seen.
   bool one_sided = false;  ///< Nothing passes through: light from behind n is in vain.
+  bool in_medium = false;  ///< A point of a medium, which light reaches from anywhere alike; no n.
 };
 
 /// Where a light, or a group of them, is and where it shines (Conty Estevez and Kulla 2018, with

@@ -84,7 +84,7 @@ Floats Facing(Floats cosine, Floats sine, Floats inverse_sine, Floats least) {
 template <typename Floats>
 struct Points {
   Floats x, y, z, n_x, n_y, n_z;
-  Floats one_sided;  ///< Below 0 where they are.
+  Floats one_sided;  ///< Below 0 where they are, 0 in media, else above.
 };
 
 /// has_cones: whether any spread is more than 0.
@@ -114,6 +114,7 @@ template <typename Floats>
 
   Floats incident = -(point.n_x * x + point.n_y * y + point.n_z * z) * inverse;
   incident = point.one_sided < 0 ? incident : Abs(incident);
+  incident = point.one_sided == 0 ? all(1) : incident;
   const Floats lit = Facing(incident, sine, inverse_sine, all(-LightGroup::kSlack));
   const Floats outside = group.intensity * facing * lit * inverse2;
   const Floats weight = sine < 1 ? outside : group.intensity * inverse2;
@@ -133,7 +134,9 @@ inline Floats4 Importance(const LightGroup& group, const LightReceiver& receiver
                                                      all(receiver.n.x),
                                                      all(receiver.n.y),
                                                      all(receiver.n.z),
-                                                     all(receiver.one_sided ? -1.0f : 1.0f)};
+                                                     all(receiver.one_sided   ? -1.0f
+                                                         : receiver.in_medium ? 0.0f
+                                                                              : 1.0f)};
   return light_group_detail::Importance<Floats4>(group, point);
 }
 
@@ -141,7 +144,8 @@ using PointLanes = light_group_detail::Points<FloatLanes>;
 inline PointLanes PointsOf(const LightReceiverLanes& receivers) {
   const Vec3Lanes& p = receivers.p;
   const Vec3Lanes& n = receivers.n;
-  return {p.x, p.y, p.z, n.x, n.y, n.z, receivers.one_sided ? SameFloat(-1) : SameFloat(1)};
+  const FloatLanes two_sided = receivers.in_medium ? FloatLanes{} : SameFloat(1);
+  return {p.x, p.y, p.z, n.x, n.y, n.z, receivers.one_sided ? SameFloat(-1) : two_sided};
 }
 
 /// Of one place of the group for each of the points.

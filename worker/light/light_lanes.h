@@ -9,9 +9,11 @@ namespace strata {
 /// LightReceivers side by side.
 struct LightReceiverLanes {
   Vec3Lanes p, n;
-  MaskLanes one_sided = {};
+  MaskLanes one_sided = {}, in_medium = {};
 
-  LightReceiver Get(int lane) const { return {p.Get(lane), n.Get(lane), one_sided[lane] != 0}; }
+  LightReceiver Get(int lane) const {
+    return {p.Get(lane), n.Get(lane), one_sided[lane] != 0, in_medium[lane] != 0};
+  }
 };
 
 /// LightSamples side by side.

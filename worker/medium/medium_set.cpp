@@ -6,16 +6,26 @@
 #include <map>
 #include <utility>
 
+#include "worker/scene/references.h"
+
 namespace strata {
 namespace {
 
 bool IsCoefficient(Rgb c) { return IsFinite(c) && c.r >= 0 && c.g >= 0 && c.b >= 0; }
 
+/// Of what fades by less than this over a unit nothing is seen; its free paths are beyond floats.
+constexpr float kLeastCoefficient = 1e-12f;
+Rgb WithoutTraces(Rgb c) {
+  const auto kept = [](float v) { return v < kLeastCoefficient ? 0 : v; };
+  return {kept(c.r), kept(c.g), kept(c.b)};
+}
+
 absl::StatusOr<Medium> MakeMedium(const MediumDescription& description) {
   Medium medium;
-  medium.scattering = description.scattering;
-  medium.extinction = description.absorption + description.scattering;
-  medium.emission = description.absorption * description.emission;
+  const Rgb absorption = WithoutTraces(description.absorption);
+  medium.scattering = WithoutTraces(description.scattering);
+  medium.extinction = absorption + medium.scattering;
+  medium.emission = absorption * description.emission;
   if (!IsBlack(medium.scattering)) medium.flight = medium.extinction;
   if (!IsCoefficient(description.absorption) || !IsCoefficient(description.scattering) ||
       !IsCoefficient(description.emission) || !IsCoefficient(medium.extinction) ||
@@ -25,13 +35,6 @@ absl::StatusOr<Medium> MakeMedium(const MediumDescription& description) {
     return absl::InvalidArgumentError(
         absl::StrCat("the medium's g is ", description.g, ", it must lie in (-1, 1)"));
   return medium;
-}
-
-template <typename F>
-void ForEachShape(SceneDescription* scene, F f) {
-  for (ShapeDescription& shape : scene->shapes) f(shape);
-  for (ObjectDescription& object : scene->objects)
-    for (ShapeDescription& shape : object.shapes) f(shape);
 }
 
 /// Moves borders that are no surfaces from `from` to `to`.
@@ -111,6 +114,10 @@ absl::Status MediumSet::SetBorders(SceneDescription* scene) {
         static_cast<size_t>(shape.material) >= scene->materials.size()) {
       status.Update(absl::InvalidArgumentError(absl::StrCat(
           shape.where.ToString(), ": the shape has a material or medium that does not exist")));
+      return;
+    }
+    if (empty()) {
+      shape.border.reset();
       return;
     }
     const MaterialId plain = shape.material;

@@ -36,7 +36,7 @@ class MediumSet {
   /// Whether all is empty space.
   bool empty() const { return media_.empty(); }
   MediumId camera_medium() const { return camera_medium_; }
-  /// Whether rays that are in no medium may come into one on their way; null if not.
+  /// Borders that are no surfaces; null if there are none, and rays in no medium stay so.
   const Geometry* borders() const { return borders_.get(); }
 
   /// The medium of a path that is in `medium`, after it left a point of a surface of `material`

@@ -101,7 +101,10 @@ absl::Status SceneParser::NamedMaterial() {
 
 absl::Status SceneParser::MakeNamedMedium() {
   STRATA_ASSIGN_OR_RETURN(const std::string name, ReadString());
-  STRATA_ASSIGN_OR_RETURN(ParameterReader parameters, ReadParameters(name, "medium"));
+  STRATA_ASSIGN_OR_RETURN(std::vector<Parameter> own, ParseParameters(tokens()));
+  std::string type;  // Media have none that v3 words otherwise.
+  STRATA_RETURN_IF_ERROR(TranslateVersion3(directive_, Here(), &type, &own, &context_.warnings));
+  ParameterReader parameters = WithInherited(name, std::move(own), "medium");
   return media_.Define(name, state_.color_space, parameters);
 }
 

@@ -8,19 +8,19 @@ namespace {
 
 #include "worker/pbrt/media_tables.inl"
 
-/// What pbrt has where a file says nothing: whole milk.
-constexpr Rgb kDefaultScattering = {2.55f, 3.21f, 3.77f};
-constexpr Rgb kDefaultAbsorption = {0.0011f, 0.0024f, 0.014f};
-
 MediumDescription ReadHomogeneous(ParameterReader& parameters, std::string_view color_space,
                                   ReadContext& context) {
   MediumDescription medium;
   medium.where = parameters.where();
+  // What a colour has outside the gamut of Rec.709 would be a negative coefficient.
   const auto color = [&](std::string_view name, Rgb fallback, SpectrumUse use) {
-    return ColorParameter(parameters, name, fallback, use, color_space, context);
+    const Rgb c = ColorParameter(parameters, name, fallback, use, color_space, context);
+    return Rgb{std::max(c.r, 0.0f), std::max(c.g, 0.0f), std::max(c.b, 0.0f)};
   };
-  medium.absorption = color("sigma_a", kDefaultAbsorption, SpectrumUse::kUnbounded);
-  medium.scattering = color("sigma_s", kDefaultScattering, SpectrumUse::kUnbounded);
+  // pbrt-v4's default; v3's is whole milk.
+  const bool has_sigma = parameters.Has("sigma_a") || parameters.Has("sigma_s");
+  medium.absorption = color("sigma_a", Rgb::Gray(1), SpectrumUse::kUnbounded);
+  medium.scattering = color("sigma_s", Rgb::Gray(1), SpectrumUse::kUnbounded);
   if (const std::string preset = parameters.String("preset", ""); !preset.empty()) {
     const auto* found = std::find_if(std::begin(kMeasuredMedia), std::end(kMeasuredMedia),
                                      [&](const auto& medium) { return preset == medium.name; });
@@ -30,6 +30,9 @@ MediumDescription ReadHomogeneous(ParameterReader& parameters, std::string_view 
                              "\" of a medium; give \"sigma_a\" and \"sigma_s\" in its place"));
       return medium;
     }
+    if (has_sigma)
+      context.Warn(parameters.where(),
+                   "\"sigma_a\" and \"sigma_s\" of a medium are ignored beside its \"preset\"");
     medium.absorption = found->absorption;
     medium.scattering = found->scattering;
   }
@@ -42,6 +45,9 @@ MediumDescription ReadHomogeneous(ParameterReader& parameters, std::string_view 
     parameters.Fail(parameters.where(), "the \"Lescale\" of a medium is negative");
   medium.emission =
       color("Le", Rgb{}, SpectrumUse::kIlluminant) * static_cast<float>(emission_scale);
+  if (!IsFinite(medium.absorption + medium.scattering) ||
+      !IsFinite(medium.absorption * medium.emission))
+    parameters.Fail(parameters.where(), "the medium is too dense or too bright for floats");
   medium.g = static_cast<float>(parameters.Float("g", 0));
   if (!(medium.g > -1 && medium.g < 1))
     parameters.Fail(parameters.where(), StrCat("the \"g\" of a medium is ", medium.g,
@@ -71,8 +77,13 @@ absl::Status MediumTable::Define(const std::string& name, std::string_view color
   }
   STRATA_RETURN_IF_ERROR(parameters.Finish(context_.warnings));
   Named& named = Find(name, parameters.where());
-  if (named.defined)
-    return ErrorAt(parameters.where(), StrCat("medium \"", name, "\" is defined twice"));
+  if (named.defined) {
+    context_.Warn(parameters.where(), StrCat("medium \"", name,
+                                             "\" is defined again, as only pbrt-v3 allows; what "
+                                             "follows has this one"));
+    named.id = static_cast<MediumId>(context_.scene.media.size());
+    context_.scene.media.emplace_back();
+  }
   named.defined = true;
   context_.scene.media[static_cast<size_t>(named.id)] = medium;
   return absl::OkStatus();
@@ -93,12 +104,16 @@ MediumTable::Named& MediumTable::Find(const std::string& name, const SourceLocat
 }
 
 absl::Status MediumTable::CheckAllDefined() const {
+  const SourceLocation* first = nullptr;
+  std::string_view missing;
   for (const auto& [name, named] : named_) {
-    if (!named.defined)
-      return ErrorAt(named.first_use,
-                     StrCat("there is no medium \"", name, "\"; define it with MakeNamedMedium"));
+    if (named.defined || (first && named.first_use.line >= first->line)) continue;
+    first = &named.first_use;
+    missing = name;
   }
-  return absl::OkStatus();
+  if (!first) return absl::OkStatus();
+  return ErrorAt(*first,
+                 StrCat("there is no medium \"", missing, "\"; define it with MakeNamedMedium"));
 }
 
 }  // namespace strata

@@ -1,10 +1,10 @@
 // Measured coefficients of media, as facts. Included by media.cpp alone.
 //
-// Per millimetre, for red, green and blue. Up to "Wholemilk": Jensen, Marschner, Levoy and Hanrahan
-// 2001, "A Practical Model for Subsurface Light Transport", figure 5 (scattering reduced by the mean
-// cosine). The others: Narasimhan, Gupta, Donner, Ramamoorthi, Nayar and Jensen 2006, "Acquiring
-// Scattering Properties of Participating Media by Dilution", table 1; pbrt takes the first of that
-// table's columns, which is the extinction, for the scattering, and so does this.
+// Per millimetre, for red, green and blue; the scattering is reduced by the mean cosine. Up to
+// "Wholemilk": Jensen, Marschner, Levoy and Hanrahan 2001, "A Practical Model for Subsurface Light
+// Transport", figure 5. The others are made of Narasimhan, Gupta, Donner, Ramamoorthi, Nayar and
+// Jensen 2006, "Acquiring Scattering Properties of Participating Media by Dilution", for undiluted
+// media, as pbrt-v4 has them.
 
 struct MeasuredMedium {
   const char* name;
@@ -24,39 +24,39 @@ inline constexpr MeasuredMedium kMeasuredMedia[] = {
     {"Skin2", {1.09f, 1.59f, 1.79f}, {0.013f, 0.070f, 0.145f}},
     {"Spectralon", {11.6f, 20.4f, 14.9f}, {0, 0, 0}},
     {"Wholemilk", {2.55f, 3.21f, 3.77f}, {0.0011f, 0.0024f, 0.014f}},
-    {"Lowfat Milk", {0.9126f, 1.0748f, 1.2500f}, {0.0002f, 0.0004f, 0.0008f}},
-    {"Reduced Milk", {1.0750f, 1.2213f, 1.3941f}, {0.0002f, 0.0004f, 0.0010f}},
-    {"Regular Milk", {1.1874f, 1.3296f, 1.4602f}, {0.0001f, 0.0003f, 0.0013f}},
-    {"Espresso", {0.4376f, 0.5115f, 0.6048f}, {0.1669f, 0.2287f, 0.3078f}},
-    {"Mint Mocha Coffee", {0.1900f, 0.2600f, 0.3500f}, {0.0984f, 0.1519f, 0.2040f}},
-    {"Lowfat Soy Milk", {0.1419f, 0.1625f, 0.2740f}, {0.0001f, 0.0005f, 0.0025f}},
-    {"Regular Soy Milk", {0.2434f, 0.2719f, 0.4597f}, {0.0001f, 0.0005f, 0.0034f}},
-    {"Lowfat Chocolate Milk", {0.4282f, 0.5014f, 0.5791f}, {0.0005f, 0.0016f, 0.0068f}},
-    {"Regular Chocolate Milk", {0.7359f, 0.9172f, 1.0688f}, {0.0007f, 0.0030f, 0.0100f}},
-    {"Coke", {0.7143f, 1.1688f, 1.7169f}, {0.6966f, 1.1480f, 1.7169f}},
-    {"Pepsi", {0.6433f, 0.9990f, 1.4420f}, {0.6375f, 0.9849f, 1.4420f}},
-    {"Sprite", {0.1299f, 0.1283f, 0.1395f}, {0.1230f, 0.1194f, 0.1306f}},
-    {"Gatorade", {0.4009f, 0.4185f, 0.4324f}, {0.1617f, 0.1258f, 0.0579f}},
-    {"Chardonnay", {0.1577f, 0.1748f, 0.3512f}, {0.1547f, 0.1701f, 0.3443f}},
-    {"White Zinfandel", {0.1763f, 0.2370f, 0.2913f}, {0.1732f, 0.2322f, 0.2847f}},
-    {"Merlot", {0.7639f, 1.6429f, 1.9196f}, {0.7586f, 1.6429f, 1.9196f}},
-    {"Budweiser Beer", {0.1486f, 0.3210f, 0.7360f}, {0.1449f, 0.3141f, 0.7286f}},
-    {"Coors Light Beer", {0.0295f, 0.0663f, 0.1521f}, {0.0268f, 0.0608f, 0.1521f}},
-    {"Clorox", {0.1600f, 0.2500f, 0.3300f}, {0.0175f, 0.0777f, 0.1372f}},
-    {"Apple Juice", {0.1215f, 0.2101f, 0.4407f}, {0.1014f, 0.1858f, 0.4084f}},
-    {"Cranberry Juice", {0.2700f, 0.6300f, 0.8300f}, {0.2572f, 0.6145f, 0.8104f}},
-    {"Grape Juice", {0.5500f, 1.2500f, 1.5300f}, {0.5428f, 1.2500f, 1.5300f}},
-    {"Ruby Grapefruit Juice", {0.2513f, 0.3517f, 0.4305f}, {0.0896f, 0.1911f, 0.2636f}},
-    {"White Grapefruit Juice", {0.3609f, 0.3800f, 0.5632f}, {0.0096f, 0.0131f, 0.0395f}},
-    {"Shampoo", {0.0288f, 0.0710f, 0.0952f}, {0.0184f, 0.0596f, 0.0805f}},
-    {"Strawberry Shampoo", {0.0217f, 0.0788f, 0.1022f}, {0.0189f, 0.0756f, 0.0989f}},
-    {"Head & Shoulders Shampoo", {0.3674f, 0.4527f, 0.5211f}, {0.0883f, 0.1637f, 0.2125f}},
-    {"Lemon Tea Powder", {0.3400f, 0.5800f, 0.8800f}, {0.2602f, 0.4902f, 0.7727f}},
-    {"Orange Powder", {0.3377f, 0.5573f, 1.0122f}, {0.1449f, 0.3441f, 0.7863f}},
-    {"Pink Lemonade Powder", {0.2400f, 0.3700f, 0.4500f}, {0.1165f, 0.2366f, 0.3195f}},
-    {"Cappuccino Powder", {0.2574f, 0.3536f, 0.4840f}, {0.1920f, 0.2654f, 0.3272f}},
-    {"Salt Powder", {0.7600f, 0.8685f, 0.9363f}, {0.5115f, 0.5863f, 0.6147f}},
-    {"Sugar Powder", {0.0795f, 0.1759f, 0.2780f}, {0.0650f, 0.1597f, 0.2578f}},
-    {"Suisse Mocha Powder", {0.5098f, 0.6476f, 0.7944f}, {0.1875f, 0.2893f, 0.3796f}},
-    {"Pacific Ocean Surface Water", {3.3645f, 3.3158f, 3.2428f}, {3.1845f, 3.1324f, 3.0147f}},
+    {"Lowfat Milk", {0.89187f, 1.5136f, 2.532f}, {0.002875f, 0.00575f, 0.0115f}},
+    {"Reduced Milk", {2.4858f, 3.1669f, 4.5214f}, {0.0025556f, 0.0051111f, 0.012778f}},
+    {"Regular Milk", {4.5513f, 5.8294f, 7.136f}, {0.0015333f, 0.0046f, 0.019933f}},
+    {"Espresso", {0.72378f, 0.84557f, 1.0247f}, {4.7984f, 6.5751f, 8.8493f}},
+    {"Mint Mocha Coffee", {0.31602f, 0.38538f, 0.48131f}, {3.772f, 5.8228f, 7.82f}},
+    {"Lowfat Soy Milk", {0.30576f, 0.34233f, 0.61664f}, {0.0014375f, 0.0071875f, 0.035937f}},
+    {"Regular Soy Milk", {0.59223f, 0.73866f, 1.4693f}, {0.0019167f, 0.0095833f, 0.065167f}},
+    {"Lowfat Chocolate Milk", {0.64925f, 0.83916f, 1.1057f}, {0.0115f, 0.0368f, 0.1564f}},
+    {"Regular Chocolate Milk", {1.4585f, 2.1289f, 2.9527f}, {0.010063f, 0.043125f, 0.14375f}},
+    {"Coke", {8.9053e-05f, 8.372e-05f, 0}, {0.10014f, 0.16503f, 0.2468f}},
+    {"Pepsi", {6.1697e-05f, 4.2564e-05f, 0}, {0.091641f, 0.14158f, 0.20729f}},
+    {"Sprite", {6.0306e-06f, 6.4139e-06f, 6.5504e-06f}, {0.001886f, 0.0018308f, 0.0020025f}},
+    {"Gatorade", {0.0024574f, 0.003007f, 0.0037325f}, {0.024794f, 0.019289f, 0.008878f}},
+    {"Chardonnay", {1.7982e-05f, 1.3758e-05f, 1.2023e-05f}, {0.010782f, 0.011855f, 0.023997f}},
+    {"White Zinfandel", {1.7501e-05f, 1.9069e-05f, 1.288e-05f}, {0.012072f, 0.016184f, 0.019843f}},
+    {"Merlot", {2.1129e-05f, 0, 0}, {0.11632f, 0.25191f, 0.29434f}},
+    {"Budweiser Beer", {2.4356e-05f, 2.4079e-05f, 1.0564e-05f}, {0.011492f, 0.024911f, 0.057786f}},
+    {"Coors Light Beer", {5.0922e-05f, 4.301e-05f, 0}, {0.006164f, 0.013984f, 0.034983f}},
+    {"Clorox", {0.0024035f, 0.0031373f, 0.003991f}, {0.0033542f, 0.014892f, 0.026297f}},
+    {"Apple Juice", {0.00013612f, 0.00015836f, 0.000227f}, {0.012957f, 0.023741f, 0.052184f}},
+    {"Cranberry Juice", {0.00010402f, 0.00011646f, 7.8139e-05f}, {0.039437f, 0.094223f, 0.12426f}},
+    {"Grape Juice", {5.382e-05f, 0, 0}, {0.10404f, 0.23958f, 0.29325f}},
+    {"Ruby Grapefruit Juice", {0.011002f, 0.010927f, 0.011036f}, {0.085867f, 0.18314f, 0.25262f}},
+    {"White Grapefruit Juice", {0.22826f, 0.23998f, 0.32748f}, {0.0138f, 0.018831f, 0.056781f}},
+    {"Shampoo", {0.0007176f, 0.0008303f, 0.0009016f}, {0.014107f, 0.045693f, 0.061717f}},
+    {"Strawberry Shampoo", {0.00015671f, 0.00015947f, 1.518e-05f}, {0.01449f, 0.05796f, 0.075823f}},
+    {"Head & Shoulders Shampoo", {0.023805f, 0.028804f, 0.034306f}, {0.084621f, 0.15688f, 0.20365f}},
+    {"Lemon Tea Powder", {0.040224f, 0.045264f, 0.051081f}, {2.4288f, 4.5757f, 7.2127f}},
+    {"Orange Powder", {0.00015617f, 0.00017482f, 0.0001762f}, {0.001449f, 0.003441f, 0.007863f}},
+    {"Pink Lemonade Powder", {0.00012103f, 0.00013073f, 0.00012528f}, {0.001165f, 0.002366f, 0.003195f}},
+    {"Cappuccino Powder", {1.8436f, 2.5851f, 2.1662f}, {35.844f, 49.547f, 61.084f}},
+    {"Salt Powder", {0.027333f, 0.032451f, 0.031979f}, {0.28415f, 0.3257f, 0.34148f}},
+    {"Sugar Powder", {0.00022272f, 0.00025513f, 0.000271f}, {0.012638f, 0.031051f, 0.050124f}},
+    {"Suisse Mocha Powder", {2.7979f, 3.5452f, 4.3365f}, {17.502f, 27.004f, 35.433f}},
+    {"Pacific Ocean Surface Water", {0.0001764f, 0.00032095f, 0.00019617f}, {0.031845f, 0.031324f, 0.030147f}},
 };

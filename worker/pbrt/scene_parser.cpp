@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "worker/pbrt/version3.h"
+#include "worker/scene/references.h"
 
 // Files, scopes and the directives that change the graphics state alone. What describes things is
 // in entity_directives.cpp.
@@ -164,19 +165,21 @@ absl::Status SceneParser::Finish() {
   STRATA_RETURN_IF_ERROR(textures_.CheckAllDefined());
   STRATA_RETURN_IF_ERROR(materials_.CheckAllDefined());
   STRATA_RETURN_IF_ERROR(media_.CheckAllDefined());
-  DarkenInterfaces();
+  StripInterfaces();
   return PlaceShutter();
 }
 
-void SceneParser::DarkenInterfaces() {
-  for (ShapeDescription& shape : context_.scene.shapes) {
-    if (!shape.emission ||
-        !std::holds_alternative<InterfaceMaterial>(context_.scene.materials[shape.material])) {
-      continue;
-    }
-    context_.Warn(shape.where, "a shape of \"interface\" material does not emit light");
+void SceneParser::StripInterfaces() {
+  ForEachShape(&context_.scene, [&](ShapeDescription& shape) {
+    if (!std::holds_alternative<InterfaceMaterial>(context_.scene.materials[shape.material]))
+      return;
+    if (shape.emission)
+      context_.Warn(shape.where, "a shape of \"interface\" material does not emit light");
+    if (shape.border && shape.alpha != AlphaMask())
+      context_.Warn(shape.where, "the \"alpha\" of a shape of \"interface\" material is ignored");
     shape.emission.reset();
-  }
+    shape.alpha = {};
+  });
 }
 
 absl::Status SceneParser::Include() {

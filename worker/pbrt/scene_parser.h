@@ -64,8 +64,9 @@ class SceneParser {
   absl::Status CloseFile();
   absl::Status RunDirective(const Token& token);
   absl::Status Finish();
-  /// Border surfaces of media do not emit, as in pbrt. Materials may be defined after their use.
-  void DarkenInterfaces();
+  /// Borders of media do not emit, as in pbrt, and have no masks. Materials may be defined after
+  /// their use.
+  void StripInterfaces();
 
   // ---- what directives read of the current file ----
   Tokenizer& tokens() { return *files_.back().tokens; }

@@ -68,7 +68,8 @@ constexpr void Drand48::Skip(uint64_t count) {
 class Drand48Sampler {
  public:
   /// A prime: strides that are multiples of powers of two meet the lattices of such generators (De
-  /// Matteis and Pagnutti 1988). Paths of more than 126 bounces run on into the next sample's.
+  /// Matteis and Pagnutti 1988). Paths of more than 126 bounces run on into the next sample's, and
+  /// flights through media (kPairFirstFlight) use those of later ones.
   static constexpr uint64_t kSampleNumbers = 1021;
   /// Odd, and the golden section of the period: pixels' stretches are spread evenly over it.
   static constexpr uint64_t kPixelStride = 0x9e3779b97f4bu;

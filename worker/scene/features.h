@@ -14,7 +14,7 @@ enum Features : uint32_t {
   kMirrorImages = 4,    ///< Directions may come from guides.
   kOtherMaterials = 8,  ///< Not Lambertian, or not the same all over the surface.
   kManyLights = 16,     ///< More than one: there is a choice to make.
-  kMedia = 32,
+  kMedia = 32,          ///< Any but empty space. With kOtherMaterials alone.
   kAllFeatures = 63
 };
 

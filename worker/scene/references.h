@@ -106,4 +106,11 @@ void ForEachInput(Texture& texture, F f) {
       texture);
 }
 
+template <typename F>
+void ForEachShape(SceneDescription* scene, F f) {
+  for (ShapeDescription& shape : scene->shapes) f(shape);
+  for (ObjectDescription& object : scene->objects)
+    for (ShapeDescription& shape : object.shapes) f(shape);
+}
+
 }  // namespace strata

@@ -41,13 +41,6 @@ class UseList {
   std::vector<int32_t> new_ids_;
 };
 
-template <typename F>
-void ForEachShape(SceneDescription* scene, F f) {
-  for (ShapeDescription& shape : scene->shapes) f(shape);
-  for (ObjectDescription& object : scene->objects)
-    for (ShapeDescription& shape : object.shapes) f(shape);
-}
-
 /// Marks a material and, if it is a mix, what it is made of.
 void MarkMaterial(const SceneDescription& scene, MaterialId id, UseList* used) {
   if (!used->Mark(id)) return;
@@ -115,6 +108,29 @@ void DropTextures(SceneDescription* scene, UnusedParts* unused) {
   });
 }
 
+void DropMedia(SceneDescription* scene) {
+  UseList used(scene->media.size());
+  const auto mark = [&](MediumId id) {
+    if (id != kNoMedium) used.Mark(id);
+  };
+  mark(scene->camera.medium);
+  ForEachShape(scene, [&](const ShapeDescription& shape) {
+    if (!shape.border) return;
+    mark(shape.border->inside);
+    mark(shape.border->outside);
+  });
+  used.Compact(&scene->media, [](const MediumDescription&) {});
+  const auto renumber = [&](MediumId& id) {
+    if (id != kNoMedium) id = used.NewId(id);
+  };
+  renumber(scene->camera.medium);
+  ForEachShape(scene, [&](ShapeDescription& shape) {
+    if (!shape.border) return;
+    renumber(shape.border->inside);
+    renumber(shape.border->outside);
+  });
+}
+
 }  // namespace
 
 UnusedParts RemoveUnused(SceneDescription* scene) {
@@ -122,6 +138,7 @@ UnusedParts RemoveUnused(SceneDescription* scene) {
   DropObjects(scene, &unused);
   DropMaterials(scene, &unused);
   DropTextures(scene, &unused);
+  DropMedia(scene);
   return unused;
 }
 

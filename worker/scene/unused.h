@@ -17,7 +17,8 @@ struct UnusedParts {
 };
 
 /// Takes them out of the description and renumbers the rest in its order. All ids in it are valid.
-/// Material 0 stays.
+/// Material 0 stays. Media that are
+/// nowhere go, too, and are not counted.
 UnusedParts RemoveUnused(SceneDescription* scene);
 
 }  // namespace strata
