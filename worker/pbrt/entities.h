@@ -2,7 +2,6 @@
 
 #include <absl/container/flat_hash_map.h>
 
-#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -10,6 +9,7 @@
 
 #include "worker/pbrt/animated_transform.h"
 #include "worker/pbrt/context.h"
+#include "worker/pbrt/named_parts.h"
 #include "worker/pbrt/parameters.h"
 #include "worker/pbrt/values.h"
 
@@ -99,12 +99,6 @@ class MaterialTable {
   absl::Status CheckAllDefined() const;
 
  private:
-  struct Named {
-    MaterialId id = 0;
-    SourceLocation first_use;
-    bool defined = false;
-  };
-
   absl::StatusOr<MaterialDescription> Read(const std::string& type, std::string_view color_space,
                                            ParameterReader& parameters);
   Roughness ReadRoughness(ParameterReader& parameters, const std::string& prefix, bool remap);
@@ -130,7 +124,7 @@ class MaterialTable {
 
   ReadContext& context_;
   TextureTable& textures_;
-  std::map<std::string, Named> named_;
+  NamedParts named_;
   std::vector<SourceLocation> where_;  ///< Of each material of the scene.
 };
 
@@ -151,15 +145,10 @@ class MediumTable {
   absl::Status CheckAllDefined() const;
 
  private:
-  struct Named {
-    MediumId id = kNoMedium;
-    SourceLocation first_use;
-    bool defined = false;
-  };
-  Named& Find(const std::string& name, const SourceLocation& where);
+  NamedPart& Find(const std::string& name, const SourceLocation& where);
 
   ReadContext& context_;
-  std::map<std::string, Named> named_;
+  NamedParts named_;
 };
 
 // ---- lights ----

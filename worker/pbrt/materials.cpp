@@ -268,7 +268,7 @@ absl::Status MaterialTable::Define(const std::string& name, std::string_view col
   }
   const std::string type = parameters.String("type", "");
   STRATA_ASSIGN_OR_RETURN(const MaterialId id, Add(type, color_space, parameters));
-  Named& named = named_[name];
+  NamedPart& named = named_[name];
   if (named.defined) {
     context_.Warn(parameters.where(), StrCat("material \"", name,
                                              "\" is defined again, as only pbrt-v3 allows; what "
@@ -302,17 +302,9 @@ MaterialId MaterialTable::Use(const std::string& name, const SourceLocation& whe
 }
 
 absl::Status MaterialTable::CheckAllDefined() const {
-  const SourceLocation* first = nullptr;
-  std::string_view missing;
-  for (const auto& [name, named] : named_) {
-    if (named.defined || (first && named.first_use.line >= first->line)) continue;
-    first = &named.first_use;
-    missing = name;
-  }
-  if (first) {
-    return ErrorAt(*first, StrCat("material \"", missing,
-                                  "\" is not defined; define it with MakeNamedMaterial"));
-  }
+  STRATA_RETURN_IF_ERROR(strata::CheckAllDefined(named_, [](std::string_view name) {
+    return StrCat("material \"", name, "\" is not defined; define it with MakeNamedMaterial");
+  }));
   // Mixes are chosen from by recursion: their depth is bounded, and so they have no cycles.
   const std::vector<MaterialDescription>& materials = context_.scene.materials;
   std::vector<int> depth(materials.size(), 0);

@@ -76,7 +76,7 @@ absl::Status MediumTable::Define(const std::string& name, std::string_view color
     return ErrorAt(parameters.where(), StrCat("there is no medium of type \"", type, "\""));
   }
   STRATA_RETURN_IF_ERROR(parameters.Finish(context_.warnings));
-  Named& named = Find(name, parameters.where());
+  NamedPart& named = Find(name, parameters.where());
   if (named.defined) {
     context_.Warn(parameters.where(), StrCat("medium \"", name,
                                              "\" is defined again, as only pbrt-v3 allows; what "
@@ -93,7 +93,7 @@ MediumId MediumTable::Use(const std::string& name, const SourceLocation& where) 
   return name.empty() ? kNoMedium : Find(name, where).id;
 }
 
-MediumTable::Named& MediumTable::Find(const std::string& name, const SourceLocation& where) {
+NamedPart& MediumTable::Find(const std::string& name, const SourceLocation& where) {
   const auto [it, is_new] = named_.try_emplace(name);
   if (is_new) {
     it->second.id = static_cast<MediumId>(context_.scene.media.size());
@@ -104,16 +104,9 @@ MediumTable::Named& MediumTable::Find(const std::string& name, const SourceLocat
 }
 
 absl::Status MediumTable::CheckAllDefined() const {
-  const SourceLocation* first = nullptr;
-  std::string_view missing;
-  for (const auto& [name, named] : named_) {
-    if (named.defined || (first && named.first_use.line >= first->line)) continue;
-    first = &named.first_use;
-    missing = name;
-  }
-  if (!first) return absl::OkStatus();
-  return ErrorAt(*first,
-                 StrCat("there is no medium \"", missing, "\"; define it with MakeNamedMedium"));
+  return strata::CheckAllDefined(named_, [](std::string_view name) {
+    return StrCat("there is no medium \"", name, "\"; define it with MakeNamedMedium");
+  });
 }
 
 }  // namespace strata
