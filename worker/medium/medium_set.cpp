@@ -49,12 +49,9 @@ void MoveBorders(const SceneDescription& scene, std::vector<ShapeDescription>* f
   from->erase(first, from->end());
 }
 
-/// The scene's borders that are no surfaces, as a scene where they are.
+/// The scene's borders that are no surfaces, as shapes and objects of a scene of their own.
 SceneDescription TakeBorders(SceneDescription* scene) {
   SceneDescription borders;
-  borders.textures = scene->textures;
-  borders.materials.assign(scene->materials.size(), DiffuseMaterial());
-  borders.instances = scene->instances;
   MoveBorders(*scene, &scene->shapes, &borders.shapes);
   for (ObjectDescription& object : scene->objects) {
     borders.objects.push_back({object.name, {}});
@@ -79,8 +76,11 @@ absl::StatusOr<std::unique_ptr<MediumSet>> MediumSet::Build(SceneDescription* sc
   STRATA_RETURN_IF_ERROR(set->SetBorders(scene));
   if (set->empty()) return set;
   set->camera_medium_ = scene->camera.medium;
-  const SceneDescription borders = TakeBorders(scene);
+  SceneDescription borders = TakeBorders(scene);
   if (!IsEmpty(borders)) {
+    // There they are surfaces, and keep their ids.
+    borders.materials.assign(scene->materials.size(), DiffuseMaterial());
+    borders.instances = scene->instances;
     STRATA_ASSIGN_OR_RETURN(set->borders_, Geometry::Build(borders));
   }
   return set;
@@ -95,7 +95,10 @@ absl::Status MediumSet::SetMedia(const SceneDescription& scene) {
     phases_.push_back(PhaseFunction{description.g});
     all_clear &= IsBlack(medium->extinction);
   }
-  if (all_clear) media_.clear();
+  if (all_clear) {
+    media_.clear();
+    phases_.clear();
+  }
   return absl::OkStatus();
 }
 
