@@ -105,7 +105,7 @@ TestScene OneOfEach() {
 
 TEST(KernelTest, NearlyEverySampleIsTheSame) {
   const auto scene = BuildScene(OneOfEach());
-  ASSERT_FALSE(scene->mirror_images().empty());
+  ASSERT_FALSE(scene->lamp_images().empty());
   JobSpec spec = TestSpec(48, 64, 12);
   for (const SamplerKind sampler : kAllSamplers) {
     spec.sampler = sampler;
@@ -184,7 +184,7 @@ TEST(KernelTest, TheSmallestKernelGivesTheBitsOfAnyOther) {
 TEST(KernelTest, VarnishedSurfacesAgree) {
   const auto scene = BuildScene(VarnishedRoom());
   ASSERT_TRUE(scene->materials().has_base_textures());
-  ASSERT_TRUE(scene->mirror_images().empty());
+  ASSERT_TRUE(scene->lamp_images().empty());
   JobSpec spec = TestSpec(48, 64, 12);
   EXPECT_GE(AgreeingShare(scene, spec, 1e-5), 0.999);
   spec.channels.albedo = spec.channels.normal = true;

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "tests/pbrt/scene_folder.h"
+#include "tests/transport/kernels.h"
 #include "tests/transport/test_scene.h"
 #include "worker/sampling/mis.h"
 
@@ -270,7 +271,7 @@ TEST(StrategyTest, GuidesToMirrorsChangeNoMean) {
       JobSpec spec = TestSpec(24, 4096, 5);
       spec.seed = seed;
       const auto built = BuildScene(scene, DirectorySource("."), {.mirrors = mirrors});
-      EXPECT_EQ(built->mirror_images().empty(), !mirrors);
+      EXPECT_EQ(built->lamp_images().empty(), !mirrors);
       return FrameMean(RenderFrame(built, spec), 1);
     };
     const Estimate with = mean(true, 30), without = mean(false, 31);
@@ -289,6 +290,46 @@ TEST(StrategyTest, AgreeInsideASphereLight) {
   scene.Sphere({0, 0, 0.3f}, 0.2f, scene.Diffuse(0.7f));
   scene.Camera({0, 0, -0.6f}, {0, 0, 1}, 60);
   ExpectStrategiesAgree(scene);
+}
+
+/// A ball of glass over a floor, nearer than its focus, under a lamp 2 `half` wide, of one power; in
+/// fog if `fog` is not 0. The camera sees the floor alone.
+TestScene BallUnderALamp(float half, float fog) {
+  TestScene scene;
+  const MaterialId black = scene.Diffuse(0.0f);
+  scene.Polygon({{-1, 0, -1}, {-1, 0, 1}, {1, 0, 1}, {1, 0, -1}}, scene.Diffuse(0.5f));
+  scene.Polygon({{-half, 3, -half}, {half, 3, -half}, {half, 3, half}, {-half, 3, half}}, black,
+                Emits(1 / (half * half)));
+  scene.Sphere({0.2f, 0.45f, 0}, 0.4f, scene.Material(DielectricMaterial{.eta = 1.5f}));
+  if (fog > 0) {
+    scene.description.media.push_back({.scattering = Rgb::Gray(fog), .g = 0.3f});
+    scene.description.shapes.back().border = MediumBorder{kNoMedium, 0};
+    scene.description.camera.medium = 0;
+  }
+  scene.Camera({0.2f, 0.25f, -1}, {0.2f, 0, -0.1f}, 50);
+  return scene;
+}
+
+TEST(StrategyTest, BallsOfGlassGuideWithoutABias) {
+  const auto mean = [](const TestScene& scene, bool balls, int spp) {
+    const auto built = BuildScene(scene, DirectorySource("."), {.balls = balls});
+    EXPECT_EQ(built->lamp_images().empty(), !balls);
+    JobSpec spec = TestSpec(16, spp, 5);
+    spec.seed = balls;
+    return FrameMean(RenderFrame(built, spec), 1);
+  };
+  for (const float fog : {0.0f, 0.5f}) {
+    const TestScene wide = BallUnderALamp(0.1f, fog);
+    const Estimate guided = mean(wide, true, 8192), chance = mean(wide, false, 16384);
+    EXPECT_TRUE(Agree(guided, chance)) << guided.mean << " +- " << guided.standard_error << ", "
+                                       << chance.mean << " +- " << chance.standard_error;
+    EXPECT_FALSE(Agree({guided.mean * 1.1, guided.standard_error}, chance));
+    // Of so small a lamp chance misses what the ball gathers; the guide finds as much of it.
+    const TestScene small = BallUnderALamp(0.001f, fog);
+    EXPECT_TRUE(Agree(mean(small, true, 8192), guided));
+    EXPECT_FALSE(Agree(mean(small, false, 8192), guided));
+    EXPECT_GE(AgreeingShare(BuildScene(small), TestSpec(16, 64, 6), 1e-5), 0.999);
+  }
 }
 
 }  // namespace

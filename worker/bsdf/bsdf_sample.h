@@ -12,6 +12,7 @@ struct BsdfSample {
   float eta = 1;  ///< Index behind over index before the surface when refracted, else 1.
   bool delta = false;
   bool transmission = false;
+  bool to_lamp = false;  ///< A guide drew it, on its way to a lamp.
 };
 
 /// Eval and Pdf of one pair of directions.

@@ -8,8 +8,8 @@
 #include "common/job.h"
 #include "worker/bsdf/bsdf.h"
 #include "worker/integrator/hemisphere_strategy.h"
+#include "worker/light/lamp_guide.h"
 #include "worker/light/light_set.h"
-#include "worker/light/mirror_guide.h"
 #include "worker/sampling/hash.h"
 #include "worker/sampling/mis.h"
 #include "worker/sampling/roulette.h"
@@ -293,7 +293,7 @@ class PathTracer {
 
   /// Guides lead to a reflector and on to a lamp: two bounces more.
   void StartGuide(int depth, const PathVertex& vertex) {
-    const MirrorImages& images = scene_.mirror_images();
+    const LampImages& images = scene_.lamp_images();
     guided_ = !images.empty() && settings_.direct == DirectStrategy::kMis &&
               depth + 1 < settings_.max_depth && IsWorthGuiding(*vertex.bsdf);
     if (!guided_) return;
@@ -371,6 +371,7 @@ class PathTracer {
     beta_ *= sample->weight;
     if (!path_detail::SidesAgree(vertex, wi, sample->wi)) return false;
     specular_ = sample->delta;
+    to_lamp_ = sample->to_lamp || (to_lamp_ && sample->delta);
     bsdf_pdf_ = sample->pdf;
     if (sample->transmission) eta_scale_ *= sample->eta * sample->eta;
     previous_ = ReceiverAt(vertex);
@@ -387,7 +388,7 @@ class PathTracer {
   bool SurvivesRoulette(int depth) {
     const float throughput = MaxComponent(beta_) * eta_scale_;
     // Not a number goes on, to be counted as the defect it is.
-    if (depth < 1 || !(throughput < settings_.sure_survival)) return true;
+    if (depth < 1 || to_lamp_ || !(throughput < settings_.sure_survival)) return true;
     const float survival = SurvivalProbability(throughput, settings_.sure_survival);
     const bool survives = Get2D(depth, kPairSelect).y < survival;
     beta_ *= 1 / survival;
@@ -408,8 +409,9 @@ class PathTracer {
   float bsdf_pdf_ = 0;      ///< Of the ray's direction.
   LightReceiver previous_;  ///< The vertex the ray left.
   BsdfRoom bsdf_room_;      ///< Of the vertex, where it varies over the surface.
+  bool to_lamp_ = false;    ///< A guide sent the ray, and glass alone was met since.
   bool guided_ = false;     ///< Of the vertex: directions may come from guide_.
-  MirrorGuide guide_;
+  LampGuide guide_;
 };
 
 }  // namespace strata

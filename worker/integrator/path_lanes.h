@@ -67,6 +67,7 @@ class PathLanes {
     radiance_ = Select(starting, {}, radiance_);
     eta_scale_ = starting ? one : eta_scale_;
     specular_ |= starting;
+    to_lamp_ &= ~starting;
     depth_ = starting ? IntLanes{} : depth_;
     rays_ = starting ? IntLanes{} : rays_;
     if (HasMedia()) medium_ = starting ? SameInt(scene_.media().camera_medium()) : medium_;
@@ -83,8 +84,8 @@ class PathLanes {
     return (kHas & kOtherMaterials) && scene_.materials().has_base_textures();
   }
   /// Whether coats are looked for: guides ask for the BSDF itself.
-  bool HasCoats() const { return (kHas & kOtherMaterials) && !HasMirrorImages(); }
-  bool HasMirrorImages() const { return (kHas & kMirrorImages) && !scene_.mirror_images().empty(); }
+  bool HasCoats() const { return (kHas & kOtherMaterials) && !HasLampImages(); }
+  bool HasLampImages() const { return (kHas & kLampImages) && !scene_.lamp_images().empty(); }
   bool HasMedia() const { return (kHas & kMedia) && !scene_.media().empty(); }
   bool ChoosesLights() const {
     return (kHas & kManyLights) && scene_.lights().SelectNeedsLowBits();
@@ -99,7 +100,7 @@ class PathLanes {
     return mask & coated_;
   }
   MaskLanes Guided(MaskLanes mask) const {
-    if constexpr ((kHas & kMirrorImages) == 0) return MaskLanes{};
+    if constexpr ((kHas & kLampImages) == 0) return MaskLanes{};
     return mask & guided_;
   }
 
@@ -299,8 +300,8 @@ class PathLanes {
   }
 
   void StartGuides(MaskLanes mask) {
-    if (!HasMirrorImages()) return;
-    const MirrorImages& images = scene_.mirror_images();
+    if (!HasLampImages()) return;
+    const LampImages& images = scene_.lamp_images();
     guided_ = MaskLanes{};
     ForEachLane(mask & (depth_ + 1 < settings_.max_depth), [&](int lane) {
       if (!lambertian_[lane] && !IsWorthGuiding(*bsdf_[lane])) return;
@@ -434,6 +435,8 @@ class PathLanes {
         specular_[lane] = sample->delta ? -1 : 0;
         bsdf_pdf_[lane] = sample->pdf;
         if (sample->transmission) eta_scale_[lane] *= sample->eta * sample->eta;
+        if (HasLampImages())
+          to_lamp_[lane] = sample->to_lamp || (to_lamp_[lane] && sample->delta) ? -1 : 0;
       });
     }
     beta_ = Select(going, beta_ * weight, beta_);
@@ -463,7 +466,8 @@ class PathLanes {
 
   MaskLanes SurviveRoulette(MaskLanes mask) {
     const FloatLanes throughput = MaxComponent(beta_) * eta_scale_;
-    const MaskLanes plays = mask & (depth_ >= 1) & (throughput < sure_survival_);
+    MaskLanes plays = mask & (depth_ >= 1) & (throughput < sure_survival_);
+    if (HasLampImages()) plays &= ~to_lamp_;
     if (!Any(plays)) return mask;
     const FloatLanes survival = SurvivalProbability(throughput, sure_survival_);
     const MaskLanes survives = u_select_.y < survival;
@@ -480,7 +484,7 @@ class PathLanes {
   RayLanes ray_;
   RgbLanes beta_, radiance_;
   FloatLanes eta_scale_ = {}, bsdf_pdf_ = {};
-  MaskLanes specular_ = {};
+  MaskLanes specular_ = {}, to_lamp_ = {};
   IntLanes medium_ = {};
   LightReceiverLanes previous_;
   IntLanes depth_ = {}, rays_ = {};
@@ -502,7 +506,7 @@ class PathLanes {
   std::array<BsdfRoom, kLanes> varying_;  ///< For BSDFs that are not the same over the surface.
   Vec2Lanes u_select_;                    ///< Of kPairSelect.
   MaskLanes guided_ = {};                 ///< Directions may come from guides_.
-  std::array<MirrorGuide, kLanes> guides_;
+  std::array<LampGuide, kLanes> guides_;
 };
 
 }  // namespace strata

@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <optional>
 
-#include "worker/bsdf/bsdf.h"
 #include "worker/light/light_bounds.h"
 #include "worker/light/mirror_images.h"
 
@@ -25,10 +23,6 @@ class MirrorGuide {
   Vec3f Sample(float u_image, Vec2f u) const;
   /// Its density, per solid angle.
   float Pdf(Vec3f w) const;
-  /// That of a direction which is the guide's with probability share() and otherwise has `pdf`.
-  float MixedPdf(float pdf, Vec3f w) const {
-    return share_ > 0 ? (1 - share_) * pdf + share_ * Pdf(w) : pdf;
-  }
 
  private:
   static constexpr size_t kMaxGroups = MirrorImages::kMaxImages / kLanes;
@@ -83,38 +77,6 @@ class MirrorGuide {
   float total_ = 0;  ///< Of the weights.
   std::array<View, kMaxGroups> views_;
 };
-
-/// A direction from `guide` or `bsdf`, by one-sample MIS (Veach 1997, 9.2.4; PBRT 2.2.3).
-template <typename X>
-std::optional<BsdfSample> SampleGuided(const X& bsdf, const Frame& frame, Vec3f wo,
-                                       const MirrorGuide& guide, float u_lobe, Vec2f u) {
-  const float share = guide.share();
-  BsdfSample sample;
-  if (u_lobe < share) {
-    sample.wi = frame.ToLocal(guide.Sample(u_lobe / share, u));
-  } else {
-    constexpr float kBelowOne = 0x1.fffffep-1f;
-    const std::optional<BsdfSample> own =
-        Sample(bsdf, wo, std::min((u_lobe - share) / (1 - share), kBelowOne), u);
-    if (!own) return std::nullopt;
-    sample = *own;
-    if (sample.delta) {
-      sample.weight *= 1 / (1 - share);
-      return sample;
-    }
-  }
-  const BsdfValue value = EvalPdf(bsdf, wo, sample.wi);
-  sample.pdf = guide.MixedPdf(value.pdf, frame.ToWorld(sample.wi));
-  if (!(sample.pdf > 0)) return std::nullopt;
-  sample.weight = value.f / sample.pdf;
-  return sample;
-}
-
-/// Whether a guide may help: the surface scatters far and wide.
-inline bool IsWorthGuiding(const Bsdf& bsdf) {
-  return std::holds_alternative<DiffuseBsdf>(bsdf) ||
-         std::holds_alternative<CoatedDiffuseBsdf>(bsdf);
-}
 
 inline MirrorGuide::View MirrorGuide::ViewOf(const MirrorImages::Images& m,
                                              const LightReceiver& receiver) {

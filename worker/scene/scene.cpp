@@ -13,7 +13,7 @@ uint32_t FeaturesOf(const Scene& scene) {
   uint32_t features = kNoFeatures;
   if (!scene.lights().environments().empty()) features |= kEnvironments;
   if (scene.geometry().has_alpha()) features |= kAlphaMasks;
-  if (!scene.mirror_images().empty()) features |= kMirrorImages;
+  if (!scene.lamp_images().empty()) features |= kLampImages;
   for (const BaseRow& row : scene.materials().base_rows()) {
     if (row.flags != BaseRow::kBase) features |= kOtherMaterials;
   }
@@ -34,6 +34,7 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Build(SceneDescription descr
   scene->defaults_ = description.defaults;
   STRATA_ASSIGN_OR_RETURN(scene->media_, MediumSet::Build(&description));
   STRATA_ASSIGN_OR_RETURN(scene->geometry_, Geometry::Build(description, options));
+  const std::vector<Ball> balls = FindBalls(description);
   // The meshes live in the geometry now; images may need the room.
   description.shapes.clear();
   description.objects.clear();
@@ -46,8 +47,10 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Build(SceneDescription descr
                                                            *scene->textures_, source, options));
   scene->lights_ = std::make_unique<LightSet>(std::move(lights));
   if (options.mirrors)
-    scene->mirror_images_ =
+    scene->lamp_images_.mirrors =
         MirrorImages(*scene->geometry_, *scene->materials_, scene->lights_->lamps());
+  if (options.balls)
+    scene->lamp_images_.balls = BallImages(balls, *scene->materials_, *scene->lights_);
   if (options.least_kernel) scene->features_ = FeaturesOf(*scene);
   return scene;
 }

@@ -7,7 +7,7 @@
 #include "worker/geometry/geometry.h"
 #include "worker/geometry/texture.h"
 #include "worker/light/light_set.h"
-#include "worker/light/mirror_images.h"
+#include "worker/light/lamp_guide.h"
 #include "worker/medium/medium_set.h"
 #include "worker/scene/build_options.h"
 #include "worker/scene/description.h"
@@ -30,7 +30,7 @@ class Scene {
   const MaterialSet& materials() const { return *materials_; }
   const LightSet& lights() const { return *lights_; }
   const MediumSet& media() const { return *media_; }
-  const MirrorImages& mirror_images() const { return mirror_images_; }
+  const LampImages& lamp_images() const { return lamp_images_; }
   const BuildOptions& options() const { return options_; }
   /// Features that a kernel must have for this scene.
   uint32_t features() const { return features_; }
@@ -51,7 +51,7 @@ class Scene {
   std::unique_ptr<MaterialSet> materials_;
   std::unique_ptr<LightSet> lights_;
   std::unique_ptr<MediumSet> media_;
-  MirrorImages mirror_images_;
+  LampImages lamp_images_;
   uint32_t features_ = kAllFeatures;
 };
 
