@@ -63,6 +63,7 @@ const Table& SceneTechniques() {
       {"spheres by area", {.sphere_cones = false}},
       {"environment by luminance", {.compensate = false}},
       {"no guide to mirrored lamps", {.mirrors = false}},
+      {"no guide through balls of glass", {.balls = false}},
       {"one kernel for all scenes", {.least_kernel = false}},
       {"small scenes by a hierarchy", {.few_triangles = false}},
   };

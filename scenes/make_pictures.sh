@@ -27,6 +27,7 @@ for name in textured point spot projection goniometric daylight latlong portal; 
 done
 picture detail/detail.pbrt detail/detail.png
 picture media/media.pbrt media/media.png
+picture caustic/caustic.pbrt caustic/caustic.png
 picture leaves/leaves.pbrt leaves/leaves.png
 picture lobes/lobes.pbrt lobes/lobes.png
 picture metals/anisotropic.pbrt metals/anisotropic.png --spp 512

@@ -407,6 +407,8 @@ class PathLanes {
     Vec3Lanes wi = cosine_wi;
     RgbLanes weight = reflectance_;
     specular_ = MaskLanes{};
+    const MaskLanes was_to_lamp = to_lamp_;
+    to_lamp_ = MaskLanes{};
     bsdf_pdf_ = Max(FloatLanes{}, wi.z) * kInvPi;
     wi.z = wo_z_ < 0 ? -wi.z : wi.z;
     const MaskLanes others = OtherMaterials(mask) | Guided(mask);
@@ -436,7 +438,7 @@ class PathLanes {
         bsdf_pdf_[lane] = sample->pdf;
         if (sample->transmission) eta_scale_[lane] *= sample->eta * sample->eta;
         if (HasLampImages())
-          to_lamp_[lane] = sample->to_lamp || (to_lamp_[lane] && sample->delta) ? -1 : 0;
+          to_lamp_[lane] = sample->to_lamp || (was_to_lamp[lane] && sample->delta) ? -1 : 0;
       });
     }
     beta_ = Select(going, beta_ * weight, beta_);

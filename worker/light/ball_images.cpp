@@ -60,6 +60,18 @@ bool IsWorthGuiding(const LampInBall& lamp) {
          lamp.luminance > 0;
 }
 
+/// Larger about its middle: a ray in floats meets the lamp's very rim where its direction, looked at
+/// in double, misses it, or the other way round. The guide then must not take it for a stray one.
+LampInBall WithMargin(LampInBall lamp) {
+  const Vec3d middle = lamp.Middle();
+  const double rounding = 2e-5 * Length(middle - lamp.center);
+  const double scale = 1.02 + rounding / std::sqrt(lamp.Area());
+  lamp.corner = middle + (lamp.corner - middle) * scale;
+  lamp.edge1 = lamp.edge1 * scale;
+  lamp.edge2 = lamp.edge2 * scale;
+  return lamp;
+}
+
 std::vector<LampInBall> LampsInBalls(const std::vector<Ball>& balls, const MaterialSet& materials,
                                      const LightSet& lights) {
   std::vector<LampInBall> lamps;
@@ -74,7 +86,7 @@ std::vector<LampInBall> LampsInBalls(const std::vector<Ball>& balls, const Mater
       lamp->center = ball.center;
       lamp->radius = ball.radius;
       lamp->eta = glass->eta;
-      if (IsWorthGuiding(*lamp)) lamps.push_back(*lamp);
+      if (IsWorthGuiding(*lamp)) lamps.push_back(WithMargin(*lamp));
     }
   }
   return lamps;
