@@ -64,6 +64,7 @@ const Table& SceneTechniques() {
       {"environment by luminance", {.compensate = false}},
       {"no guide to mirrored lamps", {.mirrors = false}},
       {"no guide through balls of glass", {.balls = false}},
+      {"scattered by the medium alone", {.near_lamps = false}},
       {"one kernel for all scenes", {.least_kernel = false}},
       {"small scenes by a hierarchy", {.few_triangles = false}},
   };

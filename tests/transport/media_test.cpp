@@ -188,7 +188,7 @@ TestScene FoggyRoom() {
 
 TEST(Media, StrategiesAgree) {
   const auto scene = BuildScene(FoggyRoom());
-  JobSpec spec = TestSpec(24, 512, 6);
+  JobSpec spec = TestSpec(24, 1024, 6);
   const Estimate mis = FrameMean(RenderFrame(scene, spec), 1);
   for (const DirectStrategy strategy : {DirectStrategy::kLightOnly, DirectStrategy::kBsdfOnly,
                                         DirectStrategy::kCosine, DirectStrategy::kUniform}) {
@@ -288,38 +288,63 @@ TEST(Media, LampsBesideARayAreChosenAsThoseBehindIt) {
   EXPECT_LT(spread({0, 0, -13}), 1.3 * spread({-13, 0, 0}));
 }
 
-TEST(Media, DistancesHaveTheDensityThatWeighsThem) {
+/// Ten million flights through a medium of three rates, two units long, beside the lamps.
+void ExpectDensityOfDistances(const LampPlaces& lamps) {
   SceneDescription scene;
   scene.materials.push_back(DiffuseMaterial{});
   scene.media.push_back({.absorption = {0.3f, 0.1f, 0}, .scattering = {0.2f, 0.9f, 2.5f}});
   const auto media = *MediumSet::Build(&scene);
+  media->SetLamps(lamps);
   const Rgb beta = {0.9f, 0.4f, 0.2f};
   const double rates[] = {0.5, 1.0, 2.5}, shares[] = {0.6, 0.4 / 1.5, 0.2 / 1.5};
   constexpr int kBins = 50, kDraws = 10'000'000;
   constexpr double kEnd = 2;
-  const auto passing = [&](double t, double error) {
-    double p = 0;
-    for (int c = 0; c < 3; ++c) p += shares[c] * std::exp(-rates[c] * (1 + error) * t);
-    return p;
-  };
+  const Ray ray = {.origin = {}, .direction = {0, 0, 1}, .t_max = kEnd};
   std::vector<double> observed(kBins + 1), expected(kBins + 1), control(kBins + 1);
   IndependentSampler sampler({.seed = 5});
   for (uint32_t i = 0; i < kDraws; ++i) {
     sampler.StartSample(i);
-    Ray ray = {.origin = {}, .direction = {0, 0, 1}, .t_max = kEnd};
     const Flight flight = media->Fly(ray, 0, beta, sampler.Get2D(kPairFirstFlight));
-    ++observed[flight.scattered ? static_cast<size_t>(flight.t * kBins / kEnd) : kBins];
+    ++observed[flight.scattered
+                   ? std::min(static_cast<size_t>(flight.t * kBins / kEnd), size_t{kBins - 1})
+                   : kBins];
   }
-  for (int bin = 0; bin <= kBins; ++bin) {
-    const double a = bin * kEnd / kBins, b = (bin + 1) * kEnd / kBins;
-    const auto mass = [&](double error) {
-      return kDraws * (passing(a, error) - (bin == kBins ? 0 : passing(b, error)));
-    };
-    expected[bin] = mass(0);
-    control[bin] = mass(0.01);
-  }
+  const NearLamps near(lamps, ray.origin, ray.direction, kEnd, 4.0f / 3);
+  const double part = near.part();
+  const auto density = [&](double t, double error) {
+    double p = 0;
+    for (int c = 0; c < 3; ++c) {
+      const double rate = rates[c] * (1 + error);
+      p += shares[c] * (1 - part) * rate * std::exp(-rate * t);
+      if (part > 0)
+        p += shares[c] * part * -std::expm1(-rate * kEnd) * near.Pdf(static_cast<float>(t));
+    }
+    return p;
+  };
+  const auto fill = [&](double error, std::vector<double>* bins) {
+    constexpr int kSteps = 200;
+    constexpr double kWidth = kEnd / (kBins * kSteps);
+    (*bins)[kBins] = kDraws;
+    for (int i = 0; i < kBins * kSteps; ++i) {
+      const double mass = kDraws * kWidth * density((i + 0.5) * kWidth, error);
+      (*bins)[static_cast<size_t>(i / kSteps)] += mass;
+      (*bins)[kBins] -= mass;
+    }
+  };
+  fill(0, &expected);
+  fill(0.01, &control);
   EXPECT_GT(ChiSquareTest(observed, expected).p, 1e-5);
   EXPECT_LT(ChiSquareTest(observed, control).p, 1e-9);
+}
+TEST(Media, DistancesHaveTheDensityThatWeighsThem) { ExpectDensityOfDistances({}); }
+TEST(Media, DistancesNearLampsHaveTheDensityThatWeighsThem) {
+  const auto lamp = [](Vec3f p, float size, float intensity) {
+    LightBounds bounds = {p, p + Vec3f{size, 0, 0}};
+    bounds.intensity = intensity;
+    return bounds;
+  };
+  ExpectDensityOfDistances(
+      LampPlaces({lamp({0.3f, 0, 0.7f}, 0.1f, 1), lamp({0, -1, 1.9f}, 0, 0.3f)}));
 }
 
 TEST(Media, WhatIsOutOfItsRangeIsRefused) {

@@ -297,7 +297,7 @@ class PathTracer {
     guided_ = !images.empty() && settings_.direct == DirectStrategy::kMis &&
               depth + 1 < settings_.max_depth && IsWorthGuiding(*vertex.bsdf);
     if (!guided_) return;
-    guide_.Start(images, ReceiverAt(vertex));
+    guide_.Start(images, ReceiverAt(vertex), scene_.media().HazeOf(medium_));
     guided_ = guide_.share() > 0;
   }
 

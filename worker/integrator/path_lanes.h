@@ -305,7 +305,8 @@ class PathLanes {
     guided_ = MaskLanes{};
     ForEachLane(mask & (depth_ + 1 < settings_.max_depth), [&](int lane) {
       if (!lambertian_[lane] && !IsWorthGuiding(*bsdf_[lane])) return;
-      guides_[lane].Start(images, receiver_.Get(lane));
+      guides_[lane].Start(images, receiver_.Get(lane),
+                          HasMedia() ? scene_.media().HazeOf(medium_[lane]) : Haze());
       guided_[lane] = guides_[lane].share() > 0 ? -1 : 0;
     });
   }

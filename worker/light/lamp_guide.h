@@ -1,60 +1,89 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <optional>
 
 #include "worker/bsdf/bsdf.h"
 #include "worker/light/ball_guide.h"
+#include "worker/light/glow_guide.h"
 #include "worker/light/mirror_guide.h"
 
 namespace strata {
 
-/// Lamps that chance finds too rarely on their ways by other surfaces.
+/// Lamps that chance finds too rarely, or their light.
 struct LampImages {
   MirrorImages mirrors;
   BallImages balls;
+  LampPlaces glows;  ///< If there are media that scatter.
 
-  bool empty() const { return mirrors.empty() && balls.empty(); }
+  bool empty() const { return mirrors.empty() && balls.empty() && glows.places().empty(); }
 };
 
 /// Directions from one point towards such lamps.
 class LampGuide {
  public:
-  /// Where no image can be seen the share is 0. Mirrors are for surfaces alone.
-  void Start(const LampImages& images, const LightReceiver& receiver) {
-    mirror_share_ = ball_share_ = 0;
+  /// Where nothing is to be seen the share is 0. Mirrors are for surfaces alone.
+  void Start(const LampImages& images, const LightReceiver& receiver, Haze haze) {
+    shares_ = {};
     if (!images.mirrors.empty() && receiver.one_sided) {
       mirrors_.Start(images.mirrors, receiver);
-      mirror_share_ = mirrors_.share();
+      shares_[kMirrors] = mirrors_.share();
+    }
+    if (!images.glows.places().empty() && haze.scattering > 0) {
+      glows_.Start(images.glows, receiver.p, haze);
+      Put(kGlows, glows_.share());
     }
     if (!images.balls.empty()) {
       balls_.Start(images.balls, receiver.p);
-      ball_share_ = balls_.share();
-      mirror_share_ *= 1 - ball_share_;
+      Put(kBalls, balls_.share());
     }
+    share_ = shares_[kMirrors] + shares_[kGlows] + shares_[kBalls];
   }
 
   /// Part of the directions that is to be taken from here, below 1.
-  float share() const { return mirror_share_ + ball_share_; }
+  float share() const { return share_; }
   /// A direction, unit; none where the guide leads nowhere. The share must not be 0.
   std::optional<Vec3f> Sample(float u_image, Vec2f u) const {
-    const float of_balls = ball_share_ / share();
-    if (u_image < of_balls) return balls_.Sample(u_image / of_balls, u);
     constexpr float kBelowOne = 0x1.fffffep-1f;
-    return mirrors_.Sample(std::min((u_image - of_balls) / (1 - of_balls), kBelowOne), u);
+    float left = u_image * share_;
+    const auto chooses = [&](Kind kind) {
+      const float share = shares_[kind];
+      if (left < share) {
+        left = std::min(left / share, kBelowOne);
+        return true;
+      }
+      left -= share;
+      return false;
+    };
+    if (chooses(kBalls)) return balls_.Sample(left, u);
+    if (chooses(kGlows)) return glows_.Sample(left, u);
+    // What rounding has left over.
+    if (!chooses(kMirrors) && !(shares_[kMirrors] > 0)) return std::nullopt;
+    return mirrors_.Sample(std::min(left, kBelowOne), u);
   }
   /// The density of a direction which is the guide's with probability share() and otherwise has
   /// `pdf`.
   float MixedPdf(float pdf, Vec3f w) const {
-    float mixed = (1 - share()) * pdf;
-    if (mirror_share_ > 0) mixed += mirror_share_ * mirrors_.Pdf(w);
-    if (ball_share_ > 0) mixed += ball_share_ * balls_.Pdf(w);
+    float mixed = (1 - share_) * pdf;
+    if (shares_[kMirrors] > 0) mixed += shares_[kMirrors] * mirrors_.Pdf(w);
+    if (shares_[kGlows] > 0) mixed += shares_[kGlows] * glows_.Pdf(w);
+    if (shares_[kBalls] > 0) mixed += shares_[kBalls] * balls_.Pdf(w);
     return mixed;
   }
 
  private:
-  float mirror_share_ = 0, ball_share_ = 0;
+  enum Kind { kMirrors, kGlows, kBalls, kKinds };
+  /// The others share what is left.
+  void Put(Kind kind, float share) {
+    for (float& other : shares_) other *= 1 - share;
+    shares_[kind] = share;
+  }
+
+  std::array<float, kKinds> shares_ = {};
+  float share_ = 0;
   MirrorGuide mirrors_;
+  GlowGuide glows_;
   BallGuide balls_;
 };
 

@@ -66,6 +66,8 @@ bool IsEmpty(const SceneDescription& scene) {
                      [](const ObjectDescription& object) { return object.shapes.empty(); });
 }
 
+constexpr float kBelowOne = 0x1.fffffep-1f;
+
 float Sum(Rgb c) { return c.r + c.g + c.b; }
 
 }  // namespace
@@ -100,6 +102,11 @@ absl::Status MediumSet::SetMedia(const SceneDescription& scene) {
     phases_.clear();
   }
   return absl::OkStatus();
+}
+
+bool MediumSet::scatters() const {
+  return std::any_of(media_.begin(), media_.end(),
+                     [](const Medium& medium) { return !IsBlack(medium.scattering); });
 }
 
 absl::Status MediumSet::SetBorders(SceneDescription* scene) {
@@ -174,12 +181,27 @@ Flight MediumSet::Fly(const Ray& ray, MediumId medium, Rgb beta, Vec2f u) const 
       flight.emitted += left * EmissionAlong(m, length) * weight_by(unscattered);
     const float rate = of_channel(m.flight);
     if (rate > 0 && rate * length > depth) {
-      const float distance = depth / rate;
+      // It is scattered on this stretch. Where is either as far as it came, or near a lamp.
+      float distance = depth / rate;
+      // The same for all channels, whose densities it is a part of.
+      const NearLamps near(lamps_, ray.origin + ray.direction * passed, ray.direction, length,
+                           Average(m.flight));
+      if (near.part() > 0) {
+        const float scattered = -Expm1(-rate * length);
+        const float u_near = std::min(-Expm1(-depth) / scattered, kBelowOne);
+        distance = u_near < near.part()
+                       ? near.Sample(u_near / near.part())
+                       : -Log1p(-scattered * (u_near - near.part()) / (1 - near.part())) / rate;
+        distance = std::min(distance, length);
+      }
       left *= Fading(m.extinction, distance);
-      unscattered *= Fading(m.flight, distance);
+      Rgb density = m.flight * Fading(m.flight, distance);
+      if (near.part() > 0)
+        density = density * (1 - near.part()) +
+                  (Rgb::Gray(1) - Fading(m.flight, length)) * (near.part() * near.Pdf(distance));
       flight.scattered = true;
       flight.t = passed + distance;
-      flight.weight = left * m.scattering * weight_by(unscattered * m.flight);
+      flight.weight = left * m.scattering * weight_by(unscattered * density);
       return false;
     }
     if (rate > 0) depth -= rate * length;

@@ -2,12 +2,15 @@
 
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "common/status.h"
 #include "worker/bsdf/bsdf.h"
 #include "worker/geometry/geometry.h"
+#include "worker/light/glow_guide.h"
 #include "worker/medium/medium.h"
+#include "worker/medium/near_lamps.h"
 #include "worker/scene/description.h"
 
 namespace strata {
@@ -33,6 +36,9 @@ class MediumSet {
   /// their range and ids that lead nowhere, or as Geometry::Build.
   static absl::StatusOr<std::unique_ptr<MediumSet>> Build(SceneDescription* scene);
 
+  /// Flights shall end near these lamps more often.
+  void SetLamps(LampPlaces lamps) { lamps_ = std::move(lamps); }
+
   /// Whether all is empty space.
   bool empty() const { return media_.empty(); }
   MediumId camera_medium() const { return camera_medium_; }
@@ -46,6 +52,13 @@ class MediumSet {
     if (!border) return medium;
     return Dot(w, ng) > 0 ? border->outside : border->inside;
   }
+  /// What is around a point in `medium`, which may be none.
+  Haze HazeOf(MediumId medium) const {
+    if (empty() || medium == kNoMedium) return {};
+    const Medium& m = media_[static_cast<size_t>(medium)];
+    return {Average(m.scattering), Average(m.flight)};
+  }
+  bool scatters() const;
   const Bsdf& phase(MediumId medium) const { return phases_[static_cast<size_t>(medium)]; }
 
   /// Follows `ray`, whose direction is of unit length, from `medium` to the first scattering before
@@ -77,6 +90,7 @@ class MediumSet {
   std::vector<std::optional<MediumBorder>> border_of_;  ///< Each material.
   std::unique_ptr<Geometry> borders_;
   MediumId camera_medium_ = kNoMedium;
+  LampPlaces lamps_;
 };
 
 }  // namespace strata

@@ -20,6 +20,7 @@ struct BuildOptions {
   bool compensate = true;       ///< Environment images are sampled where they are above their mean.
   bool mirrors = true;          ///< Paths are guided to images of lamps in metal rectangles.
   bool balls = true;            ///< Paths are guided through balls of glass to small lamps.
+  bool near_lamps = true;       ///< In media paths are scattered near lamps more often.
   bool least_kernel = true;     ///< The fast kernel is compiled for what the scene needs.
   bool skip_background = true;  ///< Pixels that see nothing else are not traced.
   bool few_triangles = true;    ///< The fast kernel traces small scenes without a hierarchy.

@@ -46,6 +46,10 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Build(SceneDescription descr
   STRATA_ASSIGN_OR_RETURN(LightSet lights, LightSet::Build(description, *scene->geometry_,
                                                            *scene->textures_, source, options));
   scene->lights_ = std::make_unique<LightSet>(std::move(lights));
+  if (options.near_lamps && scene->media_->scatters()) {
+    scene->lamp_images_.glows = LampPlaces(scene->lights_->lamps());
+    scene->media_->SetLamps(scene->lamp_images_.glows);
+  }
   if (options.mirrors)
     scene->lamp_images_.mirrors =
         MirrorImages(*scene->geometry_, *scene->materials_, scene->lights_->lamps());
