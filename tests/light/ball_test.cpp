@@ -121,7 +121,7 @@ void ExpectDensitiesOfGuides(const DensityEffort& effort) {
         [&](Vec3f w) { return guide.Pdf(frame.ToWorld(w)); });
   }
 }
-TEST(BallGuide, FollowsItsDensity) { ExpectDensitiesOfGuides({50'000, {}}); }
+TEST(BallGuide, FollowsItsDensity) { ExpectDensitiesOfGuides({20'000, {}}); }
 TEST(BallGuide, DISABLED_IsToldFromOnePercentOfShape) { ExpectDensitiesOfGuides(kByHand); }
 
 TEST(BallGuide, HasNoShareInside) {
