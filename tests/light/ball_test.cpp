@@ -106,7 +106,7 @@ void ExpectDensitiesOfGuides(const DensityEffort& effort) {
   DensityChecks checks(cases.size(), effort);
   TestRandom random(9);
   for (const Case& c : cases) {
-    const BallImages images({c.lamp});
+    const BallImages images(std::vector<LampInBall>{c.lamp});
     BallGuide guide;
     guide.Start(images, c.p);
     ASSERT_GT(guide.share(), 0) << c.name;
@@ -125,7 +125,7 @@ TEST(BallGuide, FollowsItsDensity) { ExpectDensitiesOfGuides({20'000, {}}); }
 TEST(BallGuide, DISABLED_IsToldFromOnePercentOfShape) { ExpectDensitiesOfGuides(kByHand); }
 
 TEST(BallGuide, HasNoShareInside) {
-  const BallImages images({Lamp(1.5, false, 1)});
+  const BallImages images(std::vector<LampInBall>{Lamp(1.5, false, 1)});
   BallGuide guide;
   guide.Start(images, {0.4f, 0.1f, 0.1f});
   EXPECT_GT(guide.share(), 0);

@@ -235,7 +235,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"classroom", 8, 64, 0.98, 0.05, EditClassroom},
                     Case{"staircase2", 8, 32, 0.98, 0},
                     Case{"teapot-full", 8, 64, 0.8, 0, EditTeapot},
-                    Case{"volumetric-caustic", 8, 256, 0.98, 0.06, EditVolumetricCaustic}),
+                    Case{"volumetric-caustic", 8, 256, 0.98, 0.05, EditVolumetricCaustic}),
     [](const auto& info) {
       std::string name = info.param.scene;
       std::replace(name.begin(), name.end(), '-', '_');

@@ -308,6 +308,22 @@ TestScene BallUnderALamp(float half) {
   return scene;
 }
 
+TEST(StrategyTest, BallsGuideWhereTheyGatherMostOfTheLight) {
+  const auto images = [](float half, int balls, bool smooth) {
+    TestScene scene = BallUnderALamp(half);
+    DielectricMaterial glass = {.eta = 1.5f};
+    if (!smooth) glass.roughness = {.u = scene.Texture(Rgb::Gray(0.2f)), .remap = false};
+    for (int i = 0; i < balls; ++i)
+      scene.Sphere({-4 + static_cast<float>(i), 0.4f, 3}, 0.4f, scene.Material(glass));
+    return BuildScene(scene)->lamp_images().balls.images().size();
+  };
+  EXPECT_EQ(images(0.1f, 0, true), 1u);
+  EXPECT_EQ(images(0.1f, 2, true), 3u);
+  EXPECT_EQ(images(0.1f, 2, false), 1u) << "rough glass";
+  EXPECT_EQ(images(0.1f, 20, true), 0u) << "too many";
+  EXPECT_EQ(images(0.5f, 0, true), 0u) << "the lamp is large";
+}
+
 TEST(StrategyTest, BallsOfGlassGuideWithoutABias) {
   const auto mean = [](const TestScene& scene, bool balls, int spp) {
     const auto built = BuildScene(scene, DirectorySource("."), {.balls = balls});

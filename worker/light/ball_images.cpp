@@ -72,9 +72,16 @@ LampInBall WithMargin(LampInBall lamp) {
   return lamp;
 }
 
+/// What of the lamp comes to the ball.
+double Strength(const LampInBall& lamp) {
+  return lamp.luminance * lamp.SolidAngle() * lamp.radius * lamp.radius;
+}
+
+/// The strongest; none if they are not most of all.
 std::vector<LampInBall> LampsInBalls(const std::vector<Ball>& balls, const MaterialSet& materials,
                                      const LightSet& lights) {
-  std::vector<LampInBall> lamps;
+  std::vector<LampInBall> strongest;
+  double all = 0, kept = 0;
   for (const Ball& ball : balls) {
     const Bsdf* bsdf = materials.Constant(ball.material);
     const auto* glass = bsdf ? std::get_if<DielectricBsdf>(bsdf) : nullptr;
@@ -86,10 +93,18 @@ std::vector<LampInBall> LampsInBalls(const std::vector<Ball>& balls, const Mater
       lamp->center = ball.center;
       lamp->radius = ball.radius;
       lamp->eta = glass->eta;
-      if (IsWorthGuiding(*lamp)) lamps.push_back(WithMargin(*lamp));
+      if (!IsWorthGuiding(*lamp)) continue;
+      all += Strength(*lamp);
+      const auto weaker = std::find_if(
+          strongest.begin(), strongest.end(),
+          [&](const LampInBall& other) { return Strength(other) < Strength(*lamp); });
+      strongest.insert(weaker, WithMargin(*lamp));
+      if (strongest.size() > BallImages::kMaxImages) strongest.pop_back();
     }
   }
-  return lamps;
+  for (const LampInBall& lamp : strongest) kept += Strength(lamp);
+  if (kept < 0.5 * all) strongest.clear();
+  return strongest;
 }
 
 }  // namespace
@@ -151,16 +166,8 @@ const BallStrengths::ByChords& BallStrengths::At(Vec3d p) const {
   return cells_[static_cast<size_t>(i * kAngles + j)];
 }
 
-BallImages::BallImages(std::vector<LampInBall> lamps) {
-  // By what comes to the ball.
-  const auto strength = [](const LampInBall& lamp) {
-    return lamp.luminance * lamp.SolidAngle() * lamp.radius * lamp.radius;
-  };
-  std::stable_sort(lamps.begin(), lamps.end(), [&](const LampInBall& a, const LampInBall& b) {
-    return strength(a) > strength(b);
-  });
-  for (size_t i = 0; i < std::min(lamps.size(), kMaxImages); ++i)
-    images_.push_back({lamps[i], BallStrengths(lamps[i])});
+BallImages::BallImages(const std::vector<LampInBall>& lamps) {
+  for (const LampInBall& lamp : lamps) images_.push_back({lamp, BallStrengths(lamp)});
 }
 
 BallImages::BallImages(const std::vector<Ball>& balls, const MaterialSet& materials,

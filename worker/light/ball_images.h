@@ -46,9 +46,10 @@ class BallImages {
  public:
   static constexpr size_t kMaxImages = 4;
   BallImages() = default;
-  /// The strongest kMaxImages of the lamps.
-  explicit BallImages(std::vector<LampInBall> lamps);
-  /// Those of flat lamps that fill little of what a ball sees.
+  /// Of kMaxImages lamps at most.
+  explicit BallImages(const std::vector<LampInBall>& lamps);
+  /// Those of flat lamps that fill little of what a ball of smooth glass sees: the strongest
+  /// kMaxImages, or none where they are not most of the light of all.
   BallImages(const std::vector<Ball>& balls, const MaterialSet& materials, const LightSet& lights);
 
   bool empty() const { return images_.empty(); }
