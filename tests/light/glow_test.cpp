@@ -67,7 +67,8 @@ TEST(GlowGuide, HasNoShareWithoutHazeOrBehindMuchOfIt) {
 
 /// The density is that of angles seen from the lamps: its integral up to a distance is known.
 TEST(NearLamps, DistancesAreEvenInTheirAngle) {
-  const std::vector<LightBounds> lamps = {Lamp({0.3f, 0, 0.7f}, 0, 1), Lamp({0, -1, 1.9f}, 0, 0.3f)};
+  const std::vector<LightBounds> lamps = {Lamp({0.3f, 0, 0.7f}, 0, 1),
+                                          Lamp({0, -1, 1.9f}, 0, 0.3f)};
   constexpr double kLength = 2.5, kExtinction = 0.4;
   const NearLamps near(LampPlaces(lamps), {}, {0, 0, 1}, kLength, kExtinction);
   ASSERT_GT(near.part(), 0.3);
@@ -77,7 +78,8 @@ TEST(NearLamps, DistancesAreEvenInTheirAngle) {
     for (int i = 0; i < 2; ++i) {
       const double angle =
           std::atan((t - nearest[i]) / heights[i]) + std::atan(nearest[i] / heights[i]);
-      sum += intensities[i] / heights[i] * std::exp(-kExtinction * (nearest[i] + heights[i])) * angle;
+      sum +=
+          intensities[i] / heights[i] * std::exp(-kExtinction * (nearest[i] + heights[i])) * angle;
     }
     return sum;
   };

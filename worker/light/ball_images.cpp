@@ -60,8 +60,9 @@ bool IsWorthGuiding(const LampInBall& lamp) {
          lamp.luminance > 0;
 }
 
-/// Larger about its middle: a ray in floats meets the lamp's very rim where its direction, looked at
-/// in double, misses it, or the other way round. The guide then must not take it for a stray one.
+/// Larger about its middle: a ray in floats meets the lamp's very rim where its direction, looked
+/// at in double, misses it, or the other way round. The guide then must not take it for a stray
+/// one.
 LampInBall WithMargin(LampInBall lamp) {
   const Vec3d middle = lamp.Middle();
   const double rounding = 2e-5 * Length(middle - lamp.center);
@@ -95,9 +96,9 @@ std::vector<LampInBall> LampsInBalls(const std::vector<Ball>& balls, const Mater
       lamp->eta = glass->eta;
       if (!IsWorthGuiding(*lamp)) continue;
       all += Strength(*lamp);
-      const auto weaker = std::find_if(
-          strongest.begin(), strongest.end(),
-          [&](const LampInBall& other) { return Strength(other) < Strength(*lamp); });
+      const auto weaker =
+          std::find_if(strongest.begin(), strongest.end(),
+                       [&](const LampInBall& other) { return Strength(other) < Strength(*lamp); });
       strongest.insert(weaker, WithMargin(*lamp));
       if (strongest.size() > BallImages::kMaxImages) strongest.pop_back();
     }
@@ -125,8 +126,10 @@ BallStrengths::BallStrengths(const LampInBall& lamp)
     // On the axis and at the ball there are no paths, but just beside.
     constexpr double kBeside = 0.02;
     const double ratio = std::clamp<double>(distance, kBeside, kDistances - kBeside) / kDistances;
-    const double turn = std::numbers::pi * std::clamp<double>(angle, kBeside, kAngles - kBeside) / kAngles;
-    const Vec3d p = center_ + (to_lamp_ * Cos(turn) + ToDouble(frame.x) * Sin(turn)) * (radius_ / ratio);
+    const double turn =
+        std::numbers::pi * std::clamp<double>(angle, kBeside, kAngles - kBeside) / kAngles;
+    const Vec3d p =
+        center_ + (to_lamp_ * Cos(turn) + ToDouble(frame.x) * Sin(turn)) * (radius_ / ratio);
     const double direct = 1 / Dot(middle - p, middle - p);
     ByChords sums = {};
     for (int chords = 0; chords <= kMaxChords; ++chords) {

@@ -19,9 +19,9 @@ class LampPlaces {
 
   LampPlaces() = default;
   explicit LampPlaces(std::vector<LightBounds> lamps) {
-    std::stable_sort(
-        lamps.begin(), lamps.end(),
-        [](const LightBounds& a, const LightBounds& b) { return a.intensity > b.intensity; });
+    std::stable_sort(lamps.begin(), lamps.end(), [](const LightBounds& a, const LightBounds& b) {
+      return a.intensity > b.intensity;
+    });
     for (size_t i = 0; i < std::min(lamps.size(), kMost); ++i)
       places_.push_back({lamps[i].Center(), 0.25f * LengthSquared(lamps[i].max - lamps[i].min),
                          lamps[i].intensity});
