@@ -58,7 +58,7 @@ const Table& SceneTechniques() {
       {"as shipped", {}},
       {"lights chosen by intensity", {.selection = LightSelection::kIntensity}},
       {"lights chosen uniformly", {.selection = LightSelection::kUniform}},
-      {"near rectangles by area", {.solid_angle = false}},
+      {"near lamps by area", {.solid_angle = false}},
       {"quads as two triangles", {.quads = false}},
       {"spheres by area", {.sphere_cones = false}},
       {"environment by luminance", {.compensate = false}},

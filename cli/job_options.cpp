@@ -116,10 +116,15 @@ std::string DefaultName(const fs::path& scene) {
   return stem == "scene" && !folder.empty() ? folder : stem;
 }
 
-/// Takes --camera and --env. An image inside the root has its place in it; another one gets a place
-/// in a folder that the scene does not have.
+/// Takes --camera, --light-selection and --env. An image inside the root has its place in it;
+/// another one gets a place in a folder that the scene does not have.
 absl::Status AddOptions(const JobOptions& options, ScenePath* path) {
   path->options.camera = options.camera.value_or("");
+  if (options.light_selection) {
+    const auto selection = ParseLightSelection(*options.light_selection);
+    if (!selection.ok()) return Annotate(selection.status(), "--light-selection");
+    path->options.light_selection = *selection;
+  }
   if (!options.environment) return absl::OkStatus();
   std::error_code error;
   const fs::path image = fs::canonical(*options.environment, error);
@@ -178,6 +183,12 @@ void AddJobOptions(CLI::App* command, JobOptions& options) {
       "Exponent of the weights of mis: 1 is the balance heuristic, 2 the power heuristic "
       "(default); 0 to 100",
       "B");
+  add("--light-selection", options.light_selection,
+      "How one light of many is chosen: tree (default), intensity or uniform; to compare", "NAME");
+  add("--routines", options.routines,
+      "How random numbers become points of disks, triangles and hemispheres: preserving (default), "
+      "plain or rejection; to compare",
+      "NAME");
   add("--roulette", options.roulette,
       "What ends paths early: throughput (default), efficiency, or off", "NAME");
   add("--kernel", options.kernel, "fast (default), or reference: plain code, to compare with",
@@ -291,6 +302,11 @@ absl::StatusOr<JobSpec> ResolveJobSpec(const JobOptions& options, const FrameDef
     const absl::StatusOr<DirectStrategy> strategy = ParseDirectStrategy(*options.strategy);
     if (!strategy.ok()) return Annotate(strategy.status(), "--strategy");
     spec.strategy = *strategy;
+  }
+  if (options.routines) {
+    const absl::StatusOr<SamplingRoutines> routines = ParseSamplingRoutines(*options.routines);
+    if (!routines.ok()) return Annotate(routines.status(), "--routines");
+    spec.routines = *routines;
   }
   spec.mis_beta = options.mis_beta.value_or(spec.mis_beta);
   if (!(spec.mis_beta >= 0 && spec.mis_beta <= kMaxMisBeta))

@@ -21,7 +21,8 @@ struct JobOptions {
   std::optional<uint64_t> spp;
   std::optional<std::string> resolution, crop;
   std::optional<int> max_depth;
-  std::optional<std::string> sampler, strategy, roulette, kernel, filter;
+  std::optional<std::string> sampler, strategy, light_selection, routines, roulette;
+  std::optional<std::string> kernel, filter;
   std::optional<double> mis_beta;
   std::optional<int> tile;
   std::optional<uint64_t> seed;

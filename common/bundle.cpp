@@ -106,6 +106,8 @@ Digest BundleDigest(const Bundle& bundle) {
     UpdateWithText(sha, bundle.options.environment);
     UpdateWithText(sha, bundle.options.camera);
   }
+  if (bundle.options.light_selection != LightSelection::kTree)
+    UpdateWithNumber(sha, static_cast<uint64_t>(bundle.options.light_selection));
   return sha.Finish();
 }
 

@@ -18,12 +18,20 @@ struct BundleFile {
   bool operator==(const BundleFile&) const = default;
 };
 
+/// How one light of many is chosen. All but the tree are there to be compared with.
+enum class LightSelection : uint8_t {
+  kTree,       ///< By what each may bring to the point (PBRT 12.6.3).
+  kIntensity,  ///< By its intensity alone (PBRT 12.6.2).
+  kUniform     ///< All alike (PBRT 12.6.1).
+};
+
 /// What a job says of its scene beside the files.
 struct SceneOptions {
   std::string environment;  ///< An image among the files, in place of infinite lights; or empty.
   /// In place of the file's camera, or empty: numbers as ParseViewpoint reads them
   /// (worker/scene/scene_options.h), or what the file calls one of its cameras.
   std::string camera;
+  LightSelection light_selection = LightSelection::kTree;
   bool operator==(const SceneOptions&) const = default;
 };
 

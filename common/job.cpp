@@ -32,6 +32,16 @@ constexpr std::array<std::pair<DirectStrategy, std::string_view>, 5> kStrategyNa
     {DirectStrategy::kCosine, "cosine"},
     {DirectStrategy::kUniform, "uniform"},
 }};
+constexpr std::array<std::pair<SamplingRoutines, std::string_view>, 3> kRoutinesNames = {{
+    {SamplingRoutines::kPreserving, "preserving"},
+    {SamplingRoutines::kPlain, "plain"},
+    {SamplingRoutines::kRejection, "rejection"},
+}};
+constexpr std::array<std::pair<LightSelection, std::string_view>, 3> kLightSelectionNames = {{
+    {LightSelection::kTree, "tree"},
+    {LightSelection::kIntensity, "intensity"},
+    {LightSelection::kUniform, "uniform"},
+}};
 constexpr std::array<std::pair<RouletteKind, std::string_view>, 3> kRouletteNames = {{
     {RouletteKind::kThroughput, "throughput"},
     {RouletteKind::kOff, "off"},
@@ -165,6 +175,9 @@ absl::Status ValidateJobSpec(const JobSpec& spec) {
   if (NameOf(kStrategyNames, spec.strategy) == "unknown") return Bad("strategy", "is not known");
   if (!(spec.mis_beta >= 0 && spec.mis_beta <= kMaxMisBeta))
     return Bad("mis_beta", fmt::format("{} is not in 0..{}", spec.mis_beta, kMaxMisBeta));
+  if (NameOf(kRoutinesNames, spec.routines) == "unknown") return Bad("routines", "are not known");
+  if (NameOf(kLightSelectionNames, spec.bundle.options.light_selection) == "unknown")
+    return Bad("bundle.light_selection", "is not known");
   if (NameOf(kRouletteNames, spec.roulette) == "unknown") return Bad("roulette", "is not known");
   if (NameOf(kKernelNames, spec.kernel) == "unknown") return Bad("kernel", "is not known");
   STRATA_RETURN_IF_ERROR(ValidateFilter(spec.filter));
@@ -197,6 +210,10 @@ std::vector<std::string> PlainChannelNames(const ExtraChannels& channels) {
 
 std::string_view ToString(SamplerKind kind) { return NameOf(kSamplerNames, kind); }
 std::string_view ToString(DirectStrategy strategy) { return NameOf(kStrategyNames, strategy); }
+std::string_view ToString(SamplingRoutines routines) { return NameOf(kRoutinesNames, routines); }
+std::string_view ToString(LightSelection selection) {
+  return NameOf(kLightSelectionNames, selection);
+}
 std::string_view ToString(RouletteKind kind) { return NameOf(kRouletteNames, kind); }
 std::string_view ToString(KernelKind kind) { return NameOf(kKernelNames, kind); }
 std::string_view ToString(AllocationKind kind) { return NameOf(kAllocationNames, kind); }
@@ -208,6 +225,12 @@ absl::StatusOr<SamplerKind> ParseSamplerKind(std::string_view name) {
 }
 absl::StatusOr<DirectStrategy> ParseDirectStrategy(std::string_view name) {
   return ParseName(kStrategyNames, "strategy", name);
+}
+absl::StatusOr<SamplingRoutines> ParseSamplingRoutines(std::string_view name) {
+  return ParseName(kRoutinesNames, "routines", name);
+}
+absl::StatusOr<LightSelection> ParseLightSelection(std::string_view name) {
+  return ParseName(kLightSelectionNames, "light selection", name);
 }
 absl::StatusOr<RouletteKind> ParseRouletteKind(std::string_view name) {
   return ParseName(kRouletteNames, "roulette", name);

@@ -51,6 +51,13 @@ enum class DirectStrategy {
   kCosine,     ///< Directions drawn by their cosine.
   kUniform,    ///< Directions drawn from the hemisphere, or the sphere where light passes through.
 };
+/// How random numbers become points of disks, triangles and hemispheres: all are uniform, and lie
+/// more or less evenly where the numbers do. worker/sampling/routines.h says where it matters.
+enum class SamplingRoutines {
+  kPreserving,  ///< Concentric disks, triangles of low distortion: neighbours stay together.
+  kPlain,       ///< Disks in polar coordinates, triangles by the square root.
+  kRejection,   ///< Rejection from squares and cubes, by independent numbers.
+};
 /// What ends a path before its last bounce (PBRT 2.2.4).
 enum class RouletteKind {
   kThroughput,  ///< Survival in proportion to the path's throughput.
@@ -116,6 +123,7 @@ struct JobSpec {
   /// Exponent of the weights of `kMis`, 0 to kMaxMisBeta: 1 is the balance heuristic, 2 the power
   /// heuristic; large ones come near the maximum heuristic (Veach 1997, 9.2).
   double mis_beta = 2;
+  SamplingRoutines routines = SamplingRoutines::kPreserving;
   RouletteKind roulette = RouletteKind::kThroughput;
   KernelKind kernel = KernelKind::kFast;
   FilterSpec filter;
@@ -143,11 +151,14 @@ PixelLayout LayoutOf(const JobSpec& spec);
 std::vector<std::string> PlainChannelNames(const ExtraChannels& channels);
 
 /// "sobol", "independent", "halton", "halton_plain", "stratified", "latin_hypercube",
-/// "poisson_disk", "drand48"; "mis", "light", "bsdf", "cosine", "uniform"; "throughput", "off",
-/// "efficiency"; "fast", "reference"; "uniform", "ring", "greedy"; "samples", "error",
-/// "rmse", "time"; "box", "triangle", "gaussian", "mitchell".
+/// "poisson_disk", "drand48"; "mis", "light", "bsdf", "cosine", "uniform"; "preserving", "plain",
+/// "rejection"; "tree", "intensity", "uniform"; "throughput", "off", "efficiency"; "fast",
+/// "reference"; "uniform", "ring", "greedy"; "samples", "error", "rmse", "time"; "box", "triangle",
+/// "gaussian", "mitchell".
 std::string_view ToString(SamplerKind kind);
 std::string_view ToString(DirectStrategy strategy);
+std::string_view ToString(SamplingRoutines routines);
+std::string_view ToString(LightSelection selection);
 std::string_view ToString(RouletteKind kind);
 std::string_view ToString(KernelKind kind);
 std::string_view ToString(AllocationKind kind);
@@ -155,6 +166,8 @@ std::string_view ToString(TargetKind kind);
 std::string_view ToString(FilterKind kind);
 absl::StatusOr<SamplerKind> ParseSamplerKind(std::string_view name);
 absl::StatusOr<DirectStrategy> ParseDirectStrategy(std::string_view name);
+absl::StatusOr<SamplingRoutines> ParseSamplingRoutines(std::string_view name);
+absl::StatusOr<LightSelection> ParseLightSelection(std::string_view name);
 absl::StatusOr<RouletteKind> ParseRouletteKind(std::string_view name);
 absl::StatusOr<KernelKind> ParseKernelKind(std::string_view name);
 absl::StatusOr<AllocationKind> ParseAllocationKind(std::string_view name);

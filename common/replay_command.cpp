@@ -18,6 +18,8 @@ std::string SceneArguments(const JobSpec& spec) {
   const SceneOptions& options = spec.bundle.options;
   if (!options.environment.empty()) text += " --env=" + ShellQuoted(options.environment);
   if (!options.camera.empty()) text += " --camera=" + ShellQuoted(options.camera);
+  if (options.light_selection != LightSelection::kTree)
+    text += fmt::format(" --light-selection {}", ToString(options.light_selection));
   return text;
 }
 
@@ -41,6 +43,8 @@ std::string ReplayCommand(const JobSpec& spec, int x, int y, uint32_t replicate,
   if (spec.strategy != DirectStrategy::kMis)
     command += fmt::format(" --strategy {}", ToString(spec.strategy));
   if (spec.mis_beta != JobSpec().mis_beta) command += fmt::format(" --mis-beta {}", spec.mis_beta);
+  if (spec.routines != SamplingRoutines::kPreserving)
+    command += fmt::format(" --routines {}", ToString(spec.routines));
   if (spec.roulette != RouletteKind::kThroughput)
     command += fmt::format(" --roulette {}", ToString(spec.roulette));
   return command;

@@ -104,6 +104,8 @@ std::vector<std::pair<std::string, std::string>> ImageMetadata(const JobStatus& 
       {"sampler", std::string(ToString(spec.sampler))},
       {"strategy", std::string(ToString(spec.strategy))},
       {"misBeta", fmt::format("{}", spec.mis_beta)},
+      {"routines", std::string(ToString(spec.routines))},
+      {"lightSelection", std::string(ToString(spec.bundle.options.light_selection))},
       {"roulette", std::string(ToString(spec.roulette))},
       {"kernel", std::string(ToString(spec.kernel))},
       {"filter", FilterText(spec.filter)},

@@ -53,6 +53,15 @@ done
 for roulette in throughput efficiency off; do
   picture soft-shadow/soft-shadow.pbrt soft-shadow/roulette-$roulette.png --roulette $roulette --spp 64
 done
+picture garland/garland.pbrt garland/garland.png
+for selection in tree intensity uniform; do
+  picture garland/garland.pbrt garland/selection-$selection.png --light-selection $selection \
+    --spp 16 --allocation uniform
+done
+for routines in preserving plain rejection; do
+  picture garland/garland.pbrt garland/routines-$routines.png --routines $routines --spp 16 \
+    --allocation uniform
+done
 picture gltf/materials.gltf gltf/materials.png --resolution 400x225 --spp 512
 picture gltf/bare.gltf gltf/bare.png --resolution 384x216 --spp 256 --env scenes/lights/landscape.hdr \
   --camera 0,1.7,7.6,0,1.0,0,30

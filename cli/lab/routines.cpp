@@ -94,7 +94,8 @@ std::vector<Routine> Routines() {
        [alias](Vec2f u, auto&) {
          const AliasTable::Choice choice = alias.Choose(u.x);
          const auto outcome = static_cast<float>(choice.outcome);
-         return Drawn{Corner((outcome + 0.1f + 0.8f * choice.fraction) / 4, u.y), outcome};
+         const float rest = static_cast<float>(choice.fraction);
+         return Drawn{Corner((outcome + 0.1f + 0.8f * rest) / 4, u.y), outcome};
        }},
   };
 }

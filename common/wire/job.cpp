@@ -15,7 +15,7 @@ constexpr std::pair<SamplerKind, v1::SamplerKind> kSamplers[] = {
     {SamplerKind::kPoissonDisk, v1::SAMPLER_KIND_POISSON_DISK},
     {SamplerKind::kDrand48, v1::SAMPLER_KIND_DRAND48},
 };
-// Clients that know of no strategies, and of no choice of roulette, send the last value.
+// Where there is no such choice in a client's version, it sends the last value.
 constexpr std::pair<DirectStrategy, v1::DirectStrategy> kStrategies[] = {
     {DirectStrategy::kMis, v1::DIRECT_STRATEGY_MIS},
     {DirectStrategy::kLightOnly, v1::DIRECT_STRATEGY_LIGHT},
@@ -23,6 +23,18 @@ constexpr std::pair<DirectStrategy, v1::DirectStrategy> kStrategies[] = {
     {DirectStrategy::kCosine, v1::DIRECT_STRATEGY_COSINE},
     {DirectStrategy::kUniform, v1::DIRECT_STRATEGY_UNIFORM},
     {DirectStrategy::kMis, v1::DIRECT_STRATEGY_UNSPECIFIED},
+};
+constexpr std::pair<SamplingRoutines, v1::SamplingRoutines> kRoutines[] = {
+    {SamplingRoutines::kPreserving, v1::SAMPLING_ROUTINES_PRESERVING},
+    {SamplingRoutines::kPlain, v1::SAMPLING_ROUTINES_PLAIN},
+    {SamplingRoutines::kRejection, v1::SAMPLING_ROUTINES_REJECTION},
+    {SamplingRoutines::kPreserving, v1::SAMPLING_ROUTINES_UNSPECIFIED},
+};
+constexpr std::pair<LightSelection, v1::LightSelection> kLightSelections[] = {
+    {LightSelection::kTree, v1::LIGHT_SELECTION_TREE},
+    {LightSelection::kIntensity, v1::LIGHT_SELECTION_INTENSITY},
+    {LightSelection::kUniform, v1::LIGHT_SELECTION_UNIFORM},
+    {LightSelection::kTree, v1::LIGHT_SELECTION_UNSPECIFIED},
 };
 constexpr std::pair<RouletteKind, v1::RouletteKind> kRoulettes[] = {
     {RouletteKind::kThroughput, v1::ROULETTE_KIND_THROUGHPUT},
@@ -84,6 +96,9 @@ absl::StatusOr<Bundle> BundleFromWire(const v1::Bundle& message) {
     bundle.files.push_back({file.path(), digest, file.bytes()});
   }
   bundle.options = {message.environment(), message.camera()};
+  STRATA_RETURN_IF_ERROR(EnumFromWire(kLightSelections, message.light_selection(),
+                                      "spec.bundle.light_selection",
+                                      &bundle.options.light_selection));
   return bundle;
 }
 
@@ -106,6 +121,8 @@ void ToWire(const JobSpec& spec, v1::JobSpec* message, bool with_files) {
   message->mutable_bundle()->set_scene(spec.bundle.scene);
   message->mutable_bundle()->set_environment(spec.bundle.options.environment);
   message->mutable_bundle()->set_camera(spec.bundle.options.camera);
+  message->mutable_bundle()->set_light_selection(
+      EnumToWire(kLightSelections, spec.bundle.options.light_selection));
   if (with_files) {
     for (const BundleFile& file : spec.bundle.files) {
       v1::BundleFile* out = message->mutable_bundle()->add_files();
@@ -122,6 +139,7 @@ void ToWire(const JobSpec& spec, v1::JobSpec* message, bool with_files) {
   message->set_kernel(EnumToWire(kKernels, spec.kernel));
   message->set_strategy(EnumToWire(kStrategies, spec.strategy));
   message->set_mis_beta(spec.mis_beta);
+  message->set_routines(EnumToWire(kRoutines, spec.routines));
   message->set_roulette(EnumToWire(kRoulettes, spec.roulette));
   v1::FilterSpec* filter = message->mutable_filter();
   filter->set_kind(EnumToWire(kFilters, spec.filter.kind));
@@ -159,6 +177,8 @@ absl::StatusOr<JobSpec> FromWire(const v1::JobSpec& message) {
   STRATA_RETURN_IF_ERROR(EnumFromWire(kKernels, message.kernel(), "spec.kernel", &spec.kernel));
   STRATA_RETURN_IF_ERROR(
       EnumFromWire(kStrategies, message.strategy(), "spec.strategy", &spec.strategy));
+  STRATA_RETURN_IF_ERROR(
+      EnumFromWire(kRoutines, message.routines(), "spec.routines", &spec.routines));
   if (message.has_mis_beta()) spec.mis_beta = message.mis_beta();
   STRATA_RETURN_IF_ERROR(
       EnumFromWire(kRoulettes, message.roulette(), "spec.roulette", &spec.roulette));

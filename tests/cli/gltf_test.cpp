@@ -89,6 +89,7 @@ TEST(Gltf, OptionsThatAreNoneAreRefused) {
        std::vector<std::pair<std::vector<std::string>, std::string>>{
            {{"--env", "gone.exr"}, "--env: gone.exr: there is no such file"},
            {{"--env", scene}, "not an image"},
+           {{"--light-selection", "luck"}, "--light-selection: light selection \"luck\""},
            {{"--camera", "far"}, "there is no camera \"far\""},
            {{"--camera", "1,2,3,1,2,3"}, "looks at the point where it stands"},
            {{"--camera", "1,2,3,1,2,4,190"}, "between 0 and 180"}}) {

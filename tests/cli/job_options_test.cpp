@@ -57,6 +57,7 @@ TEST(JobOptions, WhatIsGivenWinsOverTheSceneFile) {
   options.sampler = "independent";
   options.strategy = "light";
   options.mis_beta = 1;
+  options.routines = "rejection";
   options.roulette = "off";
   options.kernel = "reference";
   options.filter = "triangle:1.5";
@@ -76,6 +77,7 @@ TEST(JobOptions, WhatIsGivenWinsOverTheSceneFile) {
   EXPECT_EQ(spec.sampler, SamplerKind::kIndependent);
   EXPECT_EQ(spec.strategy, DirectStrategy::kLightOnly);
   EXPECT_EQ(spec.mis_beta, 1);
+  EXPECT_EQ(spec.routines, SamplingRoutines::kRejection);
   EXPECT_EQ(spec.roulette, RouletteKind::kOff);
   EXPECT_EQ(spec.kernel, KernelKind::kReference);
   EXPECT_EQ(spec.filter.kind, FilterKind::kTriangle);
@@ -133,6 +135,7 @@ TEST(JobOptions, ValuesThatAreNotUnderstoodAreNamedWithWhatIsWanted) {
   EXPECT_NE(Refusal({.scene = "a", .sampler = "dice"}).find("--sampler: "), std::string::npos);
   EXPECT_NE(Refusal({.scene = "a", .strategy = "luck"}).find("--strategy: "), std::string::npos);
   EXPECT_NE(Refusal({.scene = "a", .mis_beta = -1}).find("--mis-beta"), std::string::npos);
+  EXPECT_NE(Refusal({.scene = "a", .routines = "rough"}).find("--routines: "), std::string::npos);
   EXPECT_NE(Refusal({.scene = "a", .roulette = "red"}).find("--roulette: "), std::string::npos);
   EXPECT_NE(Refusal({.scene = "a", .kernel = "quick"}).find("--kernel: "), std::string::npos);
   EXPECT_NE(Refusal({.scene = "a", .spp = 0}).find("--spp: 0"), std::string::npos);

@@ -23,9 +23,10 @@ TEST(ReplayCommand, SaysAllThatDecidesASample) {
             "--filter gaussian:1.5,0.1,0.3333333333333333");
   spec.strategy = DirectStrategy::kUniform;
   spec.mis_beta = 1;
+  spec.routines = SamplingRoutines::kPlain;
   spec.roulette = RouletteKind::kEfficiency;
   EXPECT_NE(ReplayCommand(spec, 4, 5, 6, 7)
-                .find(" --strategy uniform --mis-beta 1 --roulette efficiency"),
+                .find(" --strategy uniform --mis-beta 1 --routines plain --roulette efficiency"),
             std::string::npos);
 }
 
@@ -42,6 +43,8 @@ TEST(ReplayCommand, KeepsTheScenesOptions) {
   spec.bundle.scene = "helmet.glb";
   spec.bundle.options = {"sky.exr", "-1,2,3,0,0,0"};
   EXPECT_EQ(CheckCommand(spec), "strata check helmet.glb --env=sky.exr --camera=-1,2,3,0,0,0");
+  spec.bundle.options = {.light_selection = LightSelection::kIntensity};
+  EXPECT_EQ(CheckCommand(spec), "strata check helmet.glb --light-selection intensity");
 }
 
 TEST(ShellQuoted, LeavesPlainWordsAlone) {

@@ -114,9 +114,12 @@ std::vector<LampCase> AllLampCases() {
   return {
       {"triangle", triangle, {0.3f, -0.6f, 1.5f}},
       {"triangle, near", triangle, {0.1f, 0, 0.1f}},
+      {"triangle, near and grazing", triangle, {0.5f, 0.2f, 0.01f}},
+      {"triangle, near and from its side", triangle, {0.9f, 0.6f, 0.05f}},
       {"triangle, far", triangle, {20, 30, 40}},
       {"triangle, grazing", triangle, {0.4f, -3, 0.1f}},
       {"sliver", sliver, {0, -0.6f, 0.5f}},
+      {"sliver, near", sliver, {0.1f, -0.45f, 0.03f}},
       {"rectangle", rectangle, {0.3f, -0.6f, 1.5f}},
       {"rectangle, near", rectangle, {0.1f, 0.2f, 0.4f}},
       {"rectangle, very near", rectangle, {0.01f, 0.02f, 0.03f}},

@@ -10,6 +10,7 @@
 #include "worker/sampling/jacobian.h"
 #include "worker/sampling/piecewise_linear.h"
 #include "worker/sampling/rejection.h"
+#include "worker/sampling/routines.h"
 #include "worker/sampling/triangle_sqrt.h"
 #include "worker/sampling/warp.h"
 #include "worker/sampling/warp_inverse.h"
@@ -93,7 +94,7 @@ PlaneCase Discrete(std::string name, int outcomes, Choose choose, Probability pr
   return {.name = std::move(name),
           .sample = [=](TestRandom& random) -> std::optional<PlanePoint> {
             const auto [outcome, fraction] = choose(random.Float());
-            return PlanePoint{outcome + static_cast<double>(fraction), 0.5};
+            return PlanePoint{outcome + fraction, 0.5};
           },
           .density = [=](PlanePoint p) { return probability(static_cast<int>(p.x)); },
           .tilt = [](PlanePoint p) { return Wave(p.x); },
@@ -102,7 +103,7 @@ PlaneCase Discrete(std::string name, int outcomes, Choose choose, Probability pr
           .y_edges = {0, 1}};
 }
 
-using Outcome = std::pair<int, float>;
+using Outcome = std::pair<int, double>;
 
 /// A routine that takes the square to points of the plane.
 PlaneCase Square(std::string name, std::function<Vec2f(Vec2f)> sample,
@@ -184,6 +185,11 @@ PlaneCase Triangle(std::string name, Vec2f (*sample)(Vec2f), Vec2f (*invert)(Vec
               }};
 }
 
+PlaneCase JobTriangle(std::string name, Vec2f (*numbers)(Vec2f)) {
+  return Square(
+      std::move(name), numbers, [](Vec2f) { return 1; }, [](Vec2f u) { return u; });
+}
+
 }  // namespace
 
 std::vector<PlaneCase> OneDimensionalCases() {
@@ -231,6 +237,16 @@ std::vector<PlaneCase> PlanarCases() {
             return SampleDiskByRejection([&] { return random.Float(); }).point;
           },
           [](Vec2f p) { return Wave(InvertPolarDisk(p).x); }),
+      Disk(
+          "JobDiskByRejection",
+          [](TestRandom& random) {
+            return SampleDisk(SamplingRoutines::kRejection, random.Float2());
+          },
+          [](Vec2f p) { return Wave(InvertPolarDisk(p).x); }),
+      JobTriangle("JobTrianglePlain",
+                  [](Vec2f u) { return TriangleNumbers(SamplingRoutines::kPlain, u); }),
+      JobTriangle("JobTriangleByRejection",
+                  [](Vec2f u) { return TriangleNumbers(SamplingRoutines::kRejection, u); }),
       Triangle("TriangleSqrt", SampleTriangleSqrt, InvertTriangleSqrt),
       Triangle("TriangleLowDistortion", SampleTriangle, InvertTriangle),
   };

@@ -6,6 +6,7 @@
 #include "worker/sampling/henyey_greenstein.h"
 #include "worker/sampling/jacobian.h"
 #include "worker/sampling/rejection.h"
+#include "worker/sampling/routines.h"
 #include "worker/sampling/spherical_rectangle.h"
 #include "worker/sampling/spherical_triangle.h"
 #include "worker/sampling/warp.h"
@@ -211,11 +212,11 @@ PlaneCase SphericalRectangleCase() {
 std::vector<PlaneCase> DirectionalCases() {
   return {
       Angles(
-          "UniformHemisphere", FromSquare(SampleUniformHemisphere),
+          "UniformHemisphere", FromSquare([](Vec2f u) { return SampleUniformHemisphere(u); }),
           [](Vec3f) { return UniformHemispherePdf(); },
           [](Vec3f w) { return Wave(InvertUniformHemisphere(w).x); }, kHalfTurn / 2),
       Angles(
-          "CosineHemisphere", FromSquare(SampleCosineHemisphere),
+          "CosineHemisphere", FromSquare([](Vec2f u) { return SampleCosineHemisphere(u); }),
           [](Vec3f w) { return CosineHemispherePdf(w.z); },
           [](Vec3f w) { return Wave(InvertCosineHemisphere(w).x); }, kHalfTurn / 2),
       Angles(
@@ -228,6 +229,18 @@ std::vector<PlaneCase> DirectionalCases() {
           },
           [](Vec3f) { return UniformSpherePdf(); },
           [](Vec3f w) { return Wave(InvertUniformSphere(w).x); }, kHalfTurn),
+      Angles(
+          "JobHemisphereByRejection", FromSquare([](Vec2f u) {
+            return SampleUniformHemisphere(SamplingRoutines::kRejection, u);
+          }),
+          [](Vec3f) { return UniformHemispherePdf(); },
+          [](Vec3f w) { return Wave(InvertUniformHemisphere(w).x); }, kHalfTurn / 2),
+      Angles(
+          "JobCosineHemisphereByRejection", FromSquare([](Vec2f u) {
+            return SampleCosineHemisphere(SamplingRoutines::kRejection, u);
+          }),
+          [](Vec3f w) { return CosineHemispherePdf(w.z); },
+          [](Vec3f w) { return Wave(InvertCosineHemisphere(w).x); }, kHalfTurn / 2),
       RejectionBall(),
       RejectionBallDirections(),
       RejectionBallAzimuths(),

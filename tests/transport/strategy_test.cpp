@@ -206,6 +206,32 @@ TEST(StrategyTest, LightTechniquesChangeNoMean) {
   }
 }
 
+TEST(StrategyTest, RoutinesChangeNoMean) {
+  TestScene scene = Studio(Matte);
+  // A triangle that is near the wall.
+  scene.Polygon({{-1, 1, 2.8f}, {1, 1, 2.8f}, {0, 2, 2.8f}}, scene.Diffuse(0.0f), Emits(3, true));
+  scene.description.camera.lens_radius = 0.2f;
+  scene.description.camera.focal_distance = 4;
+  const auto built = BuildScene(scene);
+  JobSpec spec = TestSpec(24, 512, 4);
+  for (const DirectStrategy strategy :
+       {DirectStrategy::kMis, DirectStrategy::kCosine, DirectStrategy::kUniform}) {
+    spec.routines = SamplingRoutines::kPreserving;
+    const Estimate shipped = FrameMean(RenderFrame(built, spec, strategy), 1);
+    for (const SamplingRoutines routines :
+         {SamplingRoutines::kPlain, SamplingRoutines::kRejection}) {
+      ++spec.seed;
+      spec.routines = routines;
+      const Estimate other = FrameMean(RenderFrame(built, spec, strategy), 1);
+      EXPECT_TRUE(Agree(shipped, other))
+          << ToString(strategy) << ", " << ToString(routines) << ": " << shipped.mean << " +- "
+          << shipped.standard_error << ", " << other.mean << " +- " << other.standard_error;
+      const double detectable = strategy == DirectStrategy::kMis ? 1.03 : 1.12;
+      EXPECT_FALSE(Agree({shipped.mean * detectable, shipped.standard_error}, other));
+    }
+  }
+}
+
 /// A room with a window, and light from the sky through it.
 TestScene RoomWithWindow(bool portal) {
   TestScene scene;

@@ -48,16 +48,20 @@ TEST(RoundTrip, JobSpec) {
 }
 
 /// Clients, and jobs kept on disk, of before there was a choice.
-TEST(RoundTrip, JobsThatNameNoStrategyAndNoRouletteHaveTheDefaults) {
+TEST(RoundTrip, JobsThatNameNoChoicesHaveTheDefaults) {
   v1::JobSpec message;
   wire::ToWire(SampleSpec(), &message);
   message.clear_strategy();
   message.clear_mis_beta();
+  message.clear_routines();
+  message.mutable_bundle()->clear_light_selection();
   message.clear_roulette();
   const absl::StatusOr<JobSpec> spec = wire::FromWire(message);
   ASSERT_TRUE(spec.ok()) << spec.status();
   EXPECT_EQ(spec->strategy, DirectStrategy::kMis);
   EXPECT_EQ(spec->mis_beta, 2);
+  EXPECT_EQ(spec->routines, SamplingRoutines::kPreserving);
+  EXPECT_EQ(spec->bundle.options.light_selection, LightSelection::kTree);
   EXPECT_EQ(spec->roulette, RouletteKind::kThroughput);
 }
 

@@ -9,7 +9,7 @@ JobSpec SampleSpec() {
   spec.bundle.scene = "scene.pbrt";
   spec.bundle.files = {{"scene.pbrt", DigestOf("scene"), 1234},
                        {"textures/wood.png", DigestOf("wood"), uint64_t{5} << 32}};
-  spec.bundle.options = {"textures/wood.png", "1,2,3,0,0,0,45"};
+  spec.bundle.options = {"textures/wood.png", "1,2,3,0,0,0,45", LightSelection::kIntensity};
   spec.width = 640;
   spec.height = 480;
   spec.crop = {16, 32, 200, 100};
@@ -18,6 +18,7 @@ JobSpec SampleSpec() {
   spec.kernel = KernelKind::kReference;
   spec.strategy = DirectStrategy::kCosine;
   spec.mis_beta = 1.5;
+  spec.routines = SamplingRoutines::kRejection;
   spec.roulette = RouletteKind::kEfficiency;
   spec.filter = {FilterKind::kMitchell, 2.5, 1.5, 0.75, 0.25, 0.4};
   spec.spp = 128;

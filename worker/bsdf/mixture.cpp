@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "worker/bsdf/mixture_parts.h"
+#include "worker/sampling/choose.h"
 
 namespace strata {
 namespace {
@@ -70,7 +71,6 @@ float Pdf(const MixtureBsdf& bsdf, Vec3f wo, Vec3f wi) { return EvalPdf(bsdf, wo
   }
   const float p = probabilities.p[chosen];
   // What is left of the number serves the part's own lobes.
-  constexpr float kBelowOne = 0x1.fffffep-1f;
   std::optional<BsdfSample> sample =
       Sample(parts.bsdfs[chosen], wo, std::clamp(u_lobe / p, 0.0f, kBelowOne), u);
   if (!sample) return std::nullopt;

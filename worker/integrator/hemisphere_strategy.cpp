@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "worker/sampling/routines.h"
 #include "worker/sampling/warp.h"
 
 namespace strata {
@@ -16,8 +17,8 @@ bool TakeHalf(float* u) {
 
 }  // namespace
 
-std::optional<BsdfSample> SampleHemisphere(DirectStrategy strategy, const Bsdf& bsdf, Vec3f wo,
-                                           float u_lobe, Vec2f u) {
+std::optional<BsdfSample> SampleHemisphere(DirectStrategy strategy, SamplingRoutines routines,
+                                           const Bsdf& bsdf, Vec3f wo, float u_lobe, Vec2f u) {
   if (IsDelta(bsdf)) return Sample(bsdf, wo, u_lobe, u);
   float chance = 1;  // Of what is done below.
   if (HasDelta(bsdf)) {
@@ -34,7 +35,7 @@ std::optional<BsdfSample> SampleHemisphere(DirectStrategy strategy, const Bsdf& 
   const bool uniform =
       strategy == DirectStrategy::kUniform || std::holds_alternative<PhaseFunction>(bsdf);
   BsdfSample sample;
-  sample.wi = uniform ? SampleUniformHemisphere(u) : SampleCosineHemisphere(u);
+  sample.wi = uniform ? SampleUniformHemisphere(routines, u) : SampleCosineHemisphere(routines, u);
   sample.pdf = chance * (uniform ? UniformHemispherePdf() : CosineHemispherePdf(sample.wi.z));
   bool below = wo.z < 0;
   if (Transmits(bsdf)) {

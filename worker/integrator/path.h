@@ -8,11 +8,13 @@
 #include "common/job.h"
 #include "worker/bsdf/bsdf.h"
 #include "worker/integrator/hemisphere_strategy.h"
+#include "worker/integrator/path_events.h"
 #include "worker/light/lamp_guide.h"
 #include "worker/light/light_set.h"
 #include "worker/sampling/hash.h"
 #include "worker/sampling/mis.h"
 #include "worker/sampling/roulette.h"
+#include "worker/sampling/routines.h"
 #include "worker/sampling/sampler.h"
 #include "worker/sampling/warp.h"
 #include "worker/scene/scene.h"
@@ -20,64 +22,6 @@
 // The unidirectional path tracer: one function template, compiled for each sampler and observer.
 
 namespace strata {
-
-struct PathSettings {
-  int max_depth = 5;  ///< Bounces, as pbrt-v4's maxdepth: 0 shows emission alone.
-  DirectStrategy direct = DirectStrategy::kMis;
-  double mis_beta = kPower;  ///< JobSpec::mis_beta.
-  /// Throughput from which on a path surely goes on; 0: no roulette. At a half variance times time
-  /// is near its least on the shared scenes (docs/performance.md).
-  float sure_survival = 0.5f;
-  float sure_shadow = kSureShadow;  ///< 0: no roulette for shadow rays.
-  bool first_hit = false;           ///< Whether PathSample::hit and what follows it is wanted,
-  bool albedo = false;              ///< and of that the albedo.
-};
-
-/// What one path found.
-struct PathSample {
-  Rgb radiance;
-  uint32_t rays = 0;
-  bool hit = false;  ///< Whether the camera ray met a surface; the rest speaks of that point.
-  Rgb albedo;
-  Vec3f normal;  ///< World, unit, shading.
-  Vec3f position;
-};
-
-/// A vertex of a path, in the BSDF's terms: a point of a surface or, with its phase function for a
-/// BSDF, of a medium.
-struct PathVertex {
-  SurfacePoint point;  ///< In a medium: p alone is known, and ng is wo_world.
-  bool in_medium = false;
-  Vec3f wo_world;  ///< Unit, back along the path.
-  Frame frame;     ///< Of shading.
-  Vec3f wo;
-  const Bsdf* bsdf = nullptr;
-};
-
-/// One light sample and what became of it.
-struct DirectSample {
-  LightSet::Choice choice;
-  LightSample light;
-  Rgb f;  ///< BSDF times cosine.
-  float bsdf_pdf = 0;
-  float weight = 1;    ///< Of MIS.
-  float survival = 1;  ///< Of the shadow ray's roulette.
-  bool traced = true;  ///< Whether it survived.
-  bool blocked = false;
-  Rgb transmittance = {1, 1, 1};  ///< Of media on the way.
-};
-
-/// Is told of every event of a path, and says nothing: all calls vanish. The observer of `strata
-/// replay` writes them down.
-struct SilentObserver {
-  void OnFlight(const Flight&) {}
-  void OnMiss(const Ray&, Rgb /*radiance*/, float /*weight*/) {}
-  void OnVertex(int /*depth*/, const Ray&, const PathVertex&, Rgb /*beta*/) {}
-  void OnEmission(uint32_t /*light*/, Rgb /*radiance*/, float /*weight*/) {}
-  void OnLight(const DirectSample&, Rgb /*contribution*/) {}
-  void OnBsdf(const std::optional<BsdfSample>&, Vec3f /*wi_world*/) {}
-  void OnRoulette(float /*survival*/, bool /*survived*/) {}
-};
 
 namespace path_detail {
 
@@ -291,7 +235,8 @@ class PathTracer {
     if (settings_.albedo) result_.albedo = Albedo(*vertex.bsdf, vertex.wo);
   }
 
-  /// Guides lead to a reflector and on to a lamp: two bounces more.
+  /// A guided path goes on from what it is sent to (a mirror, a ball, the glow of a medium) to a
+  /// lamp: two bounces more.
   void StartGuide(int depth, const PathVertex& vertex) {
     const LampImages& images = scene_.lamp_images();
     guided_ = !images.empty() && settings_.direct == DirectStrategy::kMis &&
@@ -311,6 +256,9 @@ class PathTracer {
     direct.choice = lights.Select(ReceiverAt(vertex), u.x, u_low);
     if (!(direct.choice.probability > 0)) return;
     u.x = direct.choice.u;
+    if (settings_.routines != SamplingRoutines::kPreserving &&
+        lights.IsTriangle(direct.choice.light))
+      u = TriangleNumbers(settings_.routines, u);
     const std::optional<LightSample> light = lights.Sample(direct.choice.light, vertex.point.p, u);
     if (!light || (!light->delta && !path_detail::SamplesLights(settings_.direct))) return;
     direct.light = *light;
@@ -364,7 +312,8 @@ class PathTracer {
     const std::optional<BsdfSample> sample =
         guided_   ? SampleGuided(*vertex.bsdf, vertex.frame, vertex.wo, guide_, u_lobe, u)
         : by_bsdf ? Sample(*vertex.bsdf, vertex.wo, u_lobe, u)
-                  : SampleHemisphere(settings_.direct, *vertex.bsdf, vertex.wo, u_lobe, u);
+                  : SampleHemisphere(settings_.direct, settings_.routines, *vertex.bsdf, vertex.wo,
+                                     u_lobe, u);
     const Vec3f wi = sample ? vertex.frame.ToWorld(sample->wi) : Vec3f{};
     observer_.OnBsdf(sample, wi);
     if (!sample || IsBlack(sample->weight)) return false;

@@ -85,6 +85,7 @@ absl::StatusOr<std::unique_ptr<Renderer>> Renderer::Create(std::shared_ptr<const
       .settings = {.max_depth = spec.max_depth,
                    .direct = spec.strategy,
                    .mis_beta = spec.mis_beta,
+                   .routines = spec.routines,
                    .sure_shadow = spec.roulette == RouletteKind::kOff ? 0 : kSureShadow,
                    .first_hit = LayoutOf(spec).plain > 0,
                    .albedo = spec.channels.albedo},

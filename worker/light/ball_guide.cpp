@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "worker/math/vec.h"
+#include "worker/sampling/choose.h"
 #include "worker/sampling/warp.h"
 
 namespace strata {
@@ -45,24 +46,22 @@ void BallGuide::Start(const BallImages& images, Vec3f p) {
 
 std::optional<Vec3f> BallGuide::Sample(float u_image, Vec2f u) const {
   float left = u_image * total_;
-  size_t i = 0;
-  while (i + 1 < views_.size() && left >= views_[i].weight) left -= views_[i++].weight;
-  const View& view = views_[i];
+  const View& view = views_[ChooseByWeight(
+      views_.size(), [&](size_t i) { return views_[i].weight; }, &left)];
   const float cone = kConePart * view.weight;
   if (left < cone)
     return Frame::FromNormal(view.axis).ToWorld(SampleUniformCone(u, view.one_minus_cos));
   left = (left - cone) / (1 - kConePart);
-  int chords = 0;
-  while (chords < kMaxChords && left >= view.weights[static_cast<size_t>(chords)])
-    left -= view.weights[static_cast<size_t>(chords++)];
-  const float weight = view.weights[static_cast<size_t>(chords)];
+  const size_t chords = ChooseByWeight(
+      view.weights.size(), [&](size_t n) { return view.weights[n]; }, &left);
+  const float weight = view.weights[chords];
   const LampInBall& lamp = view.image->lamp;
-  const BallPaths paths = FindBallPaths(lamp, chords, p_, lamp.Point(u.x, u.y));
+  const BallPaths paths = FindBallPaths(lamp, static_cast<int>(chords), p_, lamp.Point(u.x, u.y));
   if (paths.empty() || !(weight > 0)) return std::nullopt;
   double rest = left / weight * Sum(paths);
-  const BallPath* path = paths.begin();
-  while (path + 1 < paths.end() && rest >= path->Strength()) rest -= (path++)->Strength();
-  return ToFloat(path->direction);
+  const size_t path = ChooseByWeight(
+      paths.size(), [&](size_t i) { return paths[i].Strength(); }, &rest);
+  return ToFloat(paths[path].direction);
 }
 
 float BallGuide::Pdf(Vec3f w) const {

@@ -99,11 +99,14 @@ std::vector<LampInBall> LampsInBalls(const std::vector<Ball>& balls, const Mater
       const auto weaker =
           std::find_if(strongest.begin(), strongest.end(),
                        [&](const LampInBall& other) { return Strength(other) < Strength(*lamp); });
-      strongest.insert(weaker, WithMargin(*lamp));
+      strongest.insert(weaker, *lamp);
       if (strongest.size() > BallImages::kMaxImages) strongest.pop_back();
     }
   }
-  for (const LampInBall& lamp : strongest) kept += Strength(lamp);
+  for (LampInBall& lamp : strongest) {
+    kept += Strength(lamp);
+    lamp = WithMargin(lamp);
+  }
   if (kept < 0.5 * all) strongest.clear();
   return strongest;
 }

@@ -21,7 +21,8 @@ class FlatLights {
     for (const Light& light : lights) rows_.push_back(RowOf(light));
   }
 
-  /// Samples lights[light] from `from` in those lanes of `mask` where it is flat; returns them.
+  /// Samples lights[light] from `from` in those lanes of `mask` where it is flat, and no triangle
+  /// that is near; returns them.
   MaskLanes Sample(IntLanes light, Vec3Lanes from, Vec2Lanes u, MaskLanes mask,
                    LightSampleLanes* sample) const {
     const auto row = [&](const Quad Row::*member) {
@@ -34,14 +35,16 @@ class FlatLights {
     };
     const auto vector = [](const RowLanes& v) { return Vec3Lanes{v.v[0], v.v[1], v.v[2]}; };
     const RowLanes center_near2 = row(&Row::center_near2), corner_flat = row(&Row::corner_flat);
-    const MaskLanes done = mask & (corner_flat.v[3] > 0);
-    if (!Any(done)) return done;
-    const MaskLanes near = done & (LengthSquared(vector(center_near2) - from) < center_near2.v[3]);
-    const RowLanes edge1_triangle = row(&Row::edge1_triangle), edge2_pdf = row(&Row::edge2_pdf),
-                   ng_two_sided = row(&Row::ng_two_sided), error = row(&Row::error),
-                   color = row(&Row::radiance);
-    const Vec2Lanes corner_weights = SampleTriangle(u);
+    MaskLanes done = mask & (corner_flat.v[3] > 0);
+    MaskLanes near = done & (LengthSquared(vector(center_near2) - from) < center_near2.v[3]);
+    const RowLanes edge1_triangle = row(&Row::edge1_triangle);
     const MaskLanes triangle = edge1_triangle.v[3] > 0;
+    done &= ~(near & triangle);
+    near &= done;
+    if (!Any(done)) return done;
+    const RowLanes edge2_pdf = row(&Row::edge2_pdf), ng_two_sided = row(&Row::ng_two_sided),
+                   error = row(&Row::error), color = row(&Row::radiance);
+    const Vec2Lanes corner_weights = SampleTriangle(u);
     u = {triangle ? corner_weights.x : u.x, triangle ? corner_weights.y : u.y};
     FloatLanes solid_angle = {};
     if (Any(near)) {
@@ -78,7 +81,7 @@ class FlatLights {
   using Quad = std::array<float, 4>;
   /// A vector and what else is asked of the light, in fours for GatherRows.
   struct Row {
-    Quad center_near2 = {};    ///< See QuadLight.
+    Quad center_near2 = {};    ///< See QuadLight and TriangleLight.
     Quad corner_flat = {};     ///< 1 if it is one of those that are sampled here.
     Quad edge1_triangle = {};  ///< 1 if it is a triangle.
     Quad edge2_pdf = {};       ///< pdf_area.
@@ -97,7 +100,11 @@ class FlatLights {
                  .error = With(l.p_error),
                  .radiance = {l.radiance.r, l.radiance.g, l.radiance.b, 0}};
     };
-    if (const auto* t = std::get_if<TriangleLight>(&light)) return row_of(*t, t->p0, true);
+    if (const auto* t = std::get_if<TriangleLight>(&light)) {
+      Row row = row_of(*t, t->p0, true);
+      row.center_near2 = With(t->p0 + (t->edge1 + t->edge2) * (1.0f / 3), t->near2);
+      return row;
+    }
     const auto* q = std::get_if<QuadLight>(&light);
     if (!q) return {};
     Row row = row_of(*q, q->corner, false);

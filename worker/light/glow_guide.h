@@ -6,13 +6,9 @@
 
 #include "worker/light/lamp_places.h"
 #include "worker/math/elementary.h"
+#include "worker/sampling/choose.h"
 
 namespace strata {
-
-/// What scatters between a point and the lamps: means over the channels, per scene unit.
-struct Haze {
-  float scattering = 0, extinction = 0;
-};
 
 /// Directions from one point to the glow of lamps in the medium around it. A ray that passes a
 /// lamp at an angle theta sees a glow of 1 / sin(theta): the angle is uniform.
@@ -43,8 +39,8 @@ class GlowGuide {
   float share() const { return share_; }
   Vec3f Sample(float u_lamp, Vec2f u) const {
     float left = u_lamp * total_;
-    size_t i = 0;
-    while (i + 1 < count_ && left >= lamps_[i].weight) left -= lamps_[i++].weight;
+    const size_t i = ChooseByWeight(
+        count_, [&](size_t n) { return lamps_[n].weight; }, &left);
     const auto [sin, cos] = SinCos2Pi(0.5f * u.x);
     const auto [sin_phi, cos_phi] = SinCos2Pi(u.y);
     return Frame::FromNormal(lamps_[i].axis).ToWorld({sin * cos_phi, sin * sin_phi, cos});

@@ -8,6 +8,7 @@
 #include "worker/light/ball_guide.h"
 #include "worker/light/glow_guide.h"
 #include "worker/light/mirror_guide.h"
+#include "worker/sampling/choose.h"
 
 namespace strata {
 
@@ -45,7 +46,6 @@ class LampGuide {
   float share() const { return share_; }
   /// A direction, unit; none where the guide leads nowhere. The share must not be 0.
   std::optional<Vec3f> Sample(float u_image, Vec2f u) const {
-    constexpr float kBelowOne = 0x1.fffffep-1f;
     float left = u_image * share_;
     const auto chooses = [&](Kind kind) {
       const float share = shares_[kind];
@@ -99,7 +99,6 @@ std::optional<BsdfSample> SampleGuided(const X& bsdf, const Frame& frame, Vec3f 
     sample.wi = frame.ToLocal(*guided);
     sample.to_lamp = true;
   } else {
-    constexpr float kBelowOne = 0x1.fffffep-1f;
     const std::optional<BsdfSample> own =
         Sample(bsdf, wo, std::min((u_lobe - share) / (1 - share), kBelowOne), u);
     if (!own) return std::nullopt;

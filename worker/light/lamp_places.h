@@ -7,6 +7,11 @@
 
 namespace strata {
 
+/// What scatters between a point and the lamps: means over the channels, per scene unit.
+struct Haze {
+  float scattering = 0, extinction = 0;
+};
+
 /// The strongest lamps of a scene, around which media glow. Immutable.
 class LampPlaces {
  public:

@@ -137,7 +137,16 @@ void LightSet::BuildTree(const std::vector<PlacedLight>& placed, LightSelection 
   }
   if (bounds.empty()) return;
   groups_.push_back({Group::kTree, power, known ? static_cast<uint32_t>(bounds.size()) : 0u});
-  tree_ = LightTree::Build(bounds, known ? selection : LightSelection::kUniform);
+  if (known && selection == LightSelection::kTree) {
+    tree_ = LightTree::Build(bounds);
+  } else {
+    const double even = 1.0 / static_cast<double>(bounds.size());
+    const bool uniform = !known || selection == LightSelection::kUniform;
+    std::vector<double> weights;
+    for (const LightBounds& b : bounds)
+      weights.push_back(uniform ? 1 : (1 - kEvenShare) * b.intensity + kEvenShare * even);
+    table_.emplace(weights);
+  }
   if (!known || bounds.size() > kMaxLamps) return;
   for (const LightBounds& b : bounds) {
     if (b.cos_emit == 0) lamps_.push_back(b);
@@ -191,7 +200,17 @@ LightSet::ChoiceLanes LightSet::Select(const LightReceiverLanes& receivers, Vec2
   }
   ChoiceLanes choices = {};
   if (Any(in_tree)) {
-    const LightTree::ChoiceLanes leaves = tree_.Select(receivers, rest, in_tree);
+    LightTree::ChoiceLanes leaves;
+    if (table_) {
+      ForEachLane(in_tree, [&](int lane) {
+        const LightTree::Choice leaf = ChoosePlaced(receivers.Get(lane), rest.Get(lane));
+        leaves.index[lane] = static_cast<int32_t>(leaf.index);
+        leaves.probability[lane] = leaf.probability;
+        leaves.u[lane] = static_cast<float>(leaf.u);
+      });
+    } else {
+      leaves = tree_.Select(receivers, rest, in_tree);
+    }
     ForEachLane(in_tree, [&](int lane) {
       choices.light[lane] = static_cast<int32_t>(tree_lights_[leaves.index[lane]]);
     });

@@ -14,13 +14,16 @@
 #include "worker/light/light.h"
 #include "worker/light/light_tree.h"
 #include "worker/light/placed_light.h"
+#include "worker/sampling/alias_table.h"
+#include "worker/sampling/choose.h"
 #include "worker/scene/description.h"
 #include "worker/scene/file_source.h"
 
 namespace strata {
 
-/// The lights of a scene and how one of them is chosen: those at a place by a LightTree, against
-/// the others by power, and now and then any that shines. Immutable.
+/// The lights of a scene and how one of them is chosen: those at a place by a LightTree or, to
+/// compare, by an AliasTable; against the others by power, and now and then any that shines.
+/// Immutable.
 class LightSet {
  public:
   /// `geometry` and `textures`, those of `scene`, must outlive the set. Errors name the light's
@@ -56,6 +59,9 @@ class LightSet {
   /// no more than kMaxLamps; else empty.
   const std::vector<LightBounds>& lamps() const { return lamps_; }
 
+  bool IsTriangle(uint32_t light) const {
+    return std::holds_alternative<TriangleLight>(lights_[light]);
+  }
   /// The light that the emissive surface `surface` (SurfacePoint::light) is, or is a part of.
   uint32_t LightOfSurface(uint32_t surface) const { return light_of_surface_[surface]; }
   /// Radiance that leaves the emissive surface `surface` (SurfacePoint::light) towards `wo`.
@@ -76,7 +82,6 @@ class LightSet {
 
  private:
   static constexpr double kLowBits = 0x1p-24;
-  static constexpr float kBelowOne = 0x1.fffffep-1f;
   /// What the first choice is among: a light from afar, or all those at a place.
   struct Group {
     static constexpr uint32_t kTree = ~0u;
@@ -93,6 +98,9 @@ class LightSet {
     uint32_t index = 0;  ///< In the tree, if the group is that.
   };
 
+  /// One of those at a place, by its index among them.
+  LightTree::Choice ChoosePlaced(const LightReceiver& receiver, double u) const;
+  float PlacedProbability(uint32_t index, const LightReceiver& receiver) const;
   /// `rest` is what is left of the random number.
   const Group& ChooseGroup(float u, float u_low, double* rest) const;
   /// `leaf` is the tree's choice if the group is that.
@@ -119,9 +127,20 @@ class LightSet {
   std::vector<Group> groups_;
   std::vector<Place> places_;  ///< Of each light.
   LightTree tree_;
-  std::vector<uint32_t> tree_lights_;  ///< By index in the tree.
+  std::optional<AliasTable> table_;    ///< In place of the tree: the same choice for all points.
+  std::vector<uint32_t> tree_lights_;  ///< By index in the tree, or table.
   std::vector<LightBounds> lamps_;
 };
+
+inline LightTree::Choice LightSet::ChoosePlaced(const LightReceiver& receiver, double u) const {
+  if (!table_) return tree_.Select(receiver, u);
+  const AliasTable::Choice choice = table_->Choose(u);
+  return {static_cast<uint32_t>(choice.outcome), choice.probability, choice.fraction};
+}
+
+inline float LightSet::PlacedProbability(uint32_t index, const LightReceiver& receiver) const {
+  return table_ ? table_->Probability(static_cast<int>(index)) : tree_.Probability(index, receiver);
+}
 
 inline const LightSet::Group& LightSet::ChooseGroup(float u, float u_low, double* rest) const {
   const double x = u + kLowBits * static_cast<double>(u_low);
@@ -150,7 +169,7 @@ inline LightSet::Choice LightSet::Select(const LightReceiver& receiver, float u,
   double rest = 0;
   const Group& group = ChooseGroup(u, u_low, &rest);
   if (group.light != Group::kTree) return ChoiceOf(group, rest, nullptr);
-  const LightTree::Choice leaf = tree_.Select(receiver, rest);
+  const LightTree::Choice leaf = ChoosePlaced(receiver, rest);
   return ChoiceOf(group, rest, &leaf);
 }
 
@@ -159,7 +178,7 @@ inline float LightSet::Probability(uint32_t light, const LightReceiver& receiver
   const Place& place = places_[light];
   if (place.group == Place::kNowhere) return 0;
   const Group& group = groups_[place.group];
-  return group.light == Group::kTree ? group.probability * tree_.Probability(place.index, receiver)
+  return group.light == Group::kTree ? group.probability * PlacedProbability(place.index, receiver)
                                      : group.probability;
 }
 

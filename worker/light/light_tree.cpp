@@ -84,14 +84,6 @@ Real LightTree::WithEvenChoices(Real tree) const {
   return static_cast<float>(1 - kEvenChoices) * tree + static_cast<float>(even);
 }
 
-Floats4 LightTree::Weights(const LightGroup& group, const LightReceiver& receiver) const {
-  if (selection_ == LightSelection::kTree) return Importance(group, receiver);
-  if (selection_ == LightSelection::kIntensity) return group.intensity;
-  Floats4 counts;
-  for (int i = 0; i < 4; ++i) counts[i] = static_cast<float>(group.lights[i]);
-  return counts;
-}
-
 float LightTree::TreeProbability(uint32_t index, const LightReceiver& receiver) const {
   uint64_t trail = trails_[index];
   Walk walk = {0, 1, 0, {}};
@@ -103,7 +95,7 @@ float LightTree::TreeProbability(uint32_t index, const LightReceiver& receiver) 
   for (;; trail >>= 2) {
     const Node& node = nodes_[walk.node];
     const uint32_t place = trail & 3;
-    const Floats4 weights = Weights(node.group, receiver);
+    const Floats4 weights = Importance(node.group, receiver);
     walk.probability *= Share(weights, place);
     if (!(walk.probability > 0) || node.group.lights[place] == 1) return walk.probability;
     walk.node = node.child[place];
@@ -129,7 +121,7 @@ std::optional<LightTree::Choice> LightTree::ChooseEvenly(const LightReceiver& re
 Floats4 LightTree::RootWeights(const LightReceiver& receiver) const {
   Floats4 weights = {};
   for (uint32_t i = 0; i < root_nodes_; ++i) {
-    const Floats4 w = Weights(nodes_[i].group, receiver);
+    const Floats4 w = Importance(nodes_[i].group, receiver);
     weights[i] = w[0] + w[1] + w[2] + w[3];
   }
   return weights;
@@ -157,7 +149,7 @@ LightTree::Choice LightTree::Select(const LightReceiver& receiver, double u) con
   if (lights_ == 1) return {0, 1, u};
   if (const auto choice = ChooseEvenly(receiver, &u)) return *choice;
   Walk walk = Start(receiver, u);
-  while (Descend(Weights(nodes_[walk.node].group, receiver), &walk)) {
+  while (Descend(Importance(nodes_[walk.node].group, receiver), &walk)) {
   }
   return walk.choice;
 }
@@ -190,7 +182,7 @@ LightTree::ChoiceLanes LightTree::Select(const LightReceiverLanes& receivers, co
     choices.probability[lane] = choice.probability;
     choices.u[lane] = static_cast<float>(choice.u);
   };
-  if (lights_ == 1 || selection_ != LightSelection::kTree) {
+  if (lights_ == 1) {
     ForEachLane(mask, [&](int lane) { choose(lane, Select(receivers.Get(lane), u.Get(lane))); });
     return choices;
   }

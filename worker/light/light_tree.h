@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "worker/light/light_group.h"
-#include "worker/scene/build_options.h"
 
 namespace strata {
 
@@ -17,7 +16,7 @@ namespace strata {
 class LightTree {
  public:
   /// Index i of the tree is bounds[i], whose intensity is positive.
-  static LightTree Build(const std::vector<LightBounds>& bounds, LightSelection selection);
+  static LightTree Build(const std::vector<LightBounds>& bounds);
 
   struct Choice {
     uint32_t index;
@@ -52,7 +51,6 @@ class LightTree {
   /// Where a random number chooses one of the lights by no more than their number; none, and what
   /// is left of the number, if it does not.
   std::optional<Choice> ChooseEvenly(const LightReceiver& receiver, double* u) const;
-  Floats4 Weights(const LightGroup& group, const LightReceiver& receiver) const;
   /// What is below each of the root's nodes.
   Floats4 RootWeights(const LightReceiver& receiver) const;
   /// To one of the root's nodes.
@@ -71,7 +69,6 @@ class LightTree {
   Real WithEvenChoices(Real tree) const;
   float TreeProbability(uint32_t index, const LightReceiver& receiver) const;
 
-  LightSelection selection_ = LightSelection::kTree;
   size_t lights_ = 0;
   uint32_t root_nodes_ = 1;  ///< The first: one of them is chosen by what all its places weigh.
   std::vector<Node> nodes_;

@@ -144,9 +144,8 @@ class Sorter {
 
 }  // namespace
 
-LightTree LightTree::Build(const std::vector<LightBounds>& bounds, LightSelection selection) {
+LightTree LightTree::Build(const std::vector<LightBounds>& bounds) {
   LightTree tree;
-  tree.selection_ = selection;
   tree.lights_ = bounds.size();
   tree.trails_.resize(bounds.size());
   Sorter sorter(bounds);

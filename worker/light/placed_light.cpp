@@ -15,7 +15,12 @@ namespace {
 
 constexpr float kPointRounding = 6 * 0x1p-24f;  // gamma(6) of PBRT 6.8.1.
 
-SurfaceLight LightOf(const Emitter& emitter, const Geometry& geometry, bool sphere_cones) {
+/// Distances, in roots of its area, up to which a triangle or rectangle is sampled by solid angle:
+/// beyond, the density per area hardly varies, and it costs more than it gains.
+constexpr float kNearDistance = 1;
+
+SurfaceLight LightOf(const Emitter& emitter, const Geometry& geometry,
+                     const BuildOptions& options) {
   if (const auto* triangle = std::get_if<TriangleEmitter>(&emitter.shape)) {
     const Vec3f bound = Abs(triangle->p0) + Abs(triangle->p1) + Abs(triangle->p2);
     return TriangleLight{triangle->p0,
@@ -25,11 +30,12 @@ SurfaceLight LightOf(const Emitter& emitter, const Geometry& geometry, bool sphe
                          bound * kPointRounding,
                          1 / emitter.area,
                          emitter.radiance,
-                         emitter.two_sided};
+                         emitter.two_sided,
+                         options.solid_angle ? kNearDistance * kNearDistance * emitter.area : 0};
   }
   if (const auto* sphere = std::get_if<SphereEmitter>(&emitter.shape))
     return SphereLight{sphere->center,   sphere->radius,    sphere->inward,
-                       emitter.radiance, emitter.two_sided, sphere_cones};
+                       emitter.radiance, emitter.two_sided, options.sphere_cones};
   return ShapeLight{&geometry, std::get<OtherEmitter>(emitter.shape), emitter.radiance,
                     emitter.two_sided, emitter.area};
 }
@@ -59,10 +65,6 @@ bool Continues(const FlatUv& map, const TriangleEmitter& triangle) {
   return near(triangle.p0, triangle.uv0) && near(triangle.p1, triangle.uv1) &&
          near(triangle.p2, triangle.uv2);
 }
-
-/// Distances, in roots of its area, up to which a rectangle is sampled by solid angle: beyond, the
-/// density per area hardly varies, and it costs more than it gains.
-constexpr float kNearDistance = 1;
 
 /// The parallelogram that two triangles with a common edge make, if they do.
 std::optional<QuadLight> QuadOf(const Emitter& a, const Emitter& b, bool solid_angle) {
@@ -173,7 +175,7 @@ SurfaceLights MakeSurfaceLights(const Geometry& geometry, const TextureSet& text
   const std::vector<Emitter>& emitters = geometry.emitters();
   for (size_t i = 0; i < emitters.size(); ++i) {
     const Emitter& emitter = emitters[i];
-    SurfaceLight light = LightOf(emitter, geometry, options.sphere_cones);
+    SurfaceLight light = LightOf(emitter, geometry, options);
     PlacedLight placed;
     Rgb mean = MeanFactor(emitter, geometry, textures);
     AddEmission(emitter, mean, &placed);

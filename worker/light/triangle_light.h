@@ -4,12 +4,13 @@
 
 #include "worker/geometry/geometry.h"
 #include "worker/light/light_sample.h"
+#include "worker/sampling/spherical_triangle.h"
 #include "worker/sampling/warp.h"
 
 namespace strata {
 
-/// A triangle that emits the same radiance from every point (PBRT 12.4), sampled uniformly by area
-/// (PBRT 6.5.4).
+/// A triangle that emits the same radiance from every point (PBRT 12.4), sampled uniformly by the
+/// solid angle it fills where it is near (PBRT 6.5.4), by area where it is not.
 struct TriangleLight {
   Vec3f p0, edge1, edge2;
   Vec3f ng;       ///< Unit, of the emitting side.
@@ -17,6 +18,7 @@ struct TriangleLight {
   float pdf_area = 0;
   Rgb radiance;
   bool two_sided = false;
+  float near2 = 0;  ///< Squared distance of the centroid below which it is near; 0: never.
 };
 
 /// Radiance that leaves the surface with outer normal `ng` towards `wo`.
@@ -30,20 +32,48 @@ inline float AreaToSolidAngle(float pdf_area, Vec3f ng, Vec3f wi, float distance
   return cosine > 0 ? pdf_area * distance2 / cosine : 0;
 }
 
-inline float PdfLi(const TriangleLight& light, Vec3f /*from*/, const EmissionHit& hit) {
+namespace triangle_light_detail {
+
+inline bool IsNear(const TriangleLight& light, Vec3f from) {
+  const Vec3f to_centroid = light.p0 + (light.edge1 + light.edge2) * (1.0f / 3) - from;
+  return LengthSquared(to_centroid) < light.near2;
+}
+
+/// Below this many steradians a near triangle is seen edge-on, and sampled by area.
+inline constexpr double kLeastSolidAngle = 1e-4;
+
+inline SphericalTriangle SeenFrom(const TriangleLight& light, Vec3f from) {
+  return {light.p0, light.p0 + light.edge1, light.p0 + light.edge2, from};
+}
+
+}  // namespace triangle_light_detail
+
+inline float PdfLi(const TriangleLight& light, Vec3f from, const EmissionHit& hit) {
+  if (triangle_light_detail::IsNear(light, from)) {
+    const SphericalTriangle triangle = triangle_light_detail::SeenFrom(light, from);
+    if (triangle.solid_angle() > triangle_light_detail::kLeastSolidAngle) return triangle.Pdf();
+  }
   return AreaToSolidAngle(light.pdf_area, hit.ng, hit.wi, hit.distance * hit.distance);
 }
 
 inline std::optional<LightSample> SampleLi(const TriangleLight& light, Vec3f from, Vec2f u) {
-  const Vec2f b = SampleTriangle(u);
+  LightSample sample;
+  Vec2f b = SampleTriangle(u);
+  if (triangle_light_detail::IsNear(light, from)) {
+    const SphericalTriangle triangle = triangle_light_detail::SeenFrom(light, from);
+    if (triangle.solid_angle() > triangle_light_detail::kLeastSolidAngle) {
+      b = triangle.WeightsOf(triangle.Sample(u));
+      sample.pdf = triangle.Pdf();
+    }
+  }
   const Vec3f p = light.p0 + light.edge1 * b.x + light.edge2 * b.y;
   const Vec3f to_light = p - from;
   const float distance2 = LengthSquared(to_light);
   if (!(distance2 > 0)) return std::nullopt;
-  LightSample sample;
   sample.wi = to_light / std::sqrt(distance2);
   sample.radiance = Le(light, light.ng, -sample.wi);
-  sample.pdf = AreaToSolidAngle(light.pdf_area, light.ng, sample.wi, distance2);
+  if (sample.pdf == 0)
+    sample.pdf = AreaToSolidAngle(light.pdf_area, light.ng, sample.wi, distance2);
   if (!(sample.pdf > 0) || IsBlack(sample.radiance)) return std::nullopt;
   sample.end = OffsetRayOrigin(p, light.p_error, light.ng, -to_light);
   return sample;

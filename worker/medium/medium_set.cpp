@@ -6,6 +6,7 @@
 #include <map>
 #include <utility>
 
+#include "worker/sampling/choose.h"
 #include "worker/scene/references.h"
 
 namespace strata {
@@ -65,8 +66,6 @@ bool IsEmpty(const SceneDescription& scene) {
          std::all_of(scene.objects.begin(), scene.objects.end(),
                      [](const ObjectDescription& object) { return object.shapes.empty(); });
 }
-
-constexpr float kBelowOne = 0x1.fffffep-1f;
 
 float Sum(Rgb c) { return c.r + c.g + c.b; }
 

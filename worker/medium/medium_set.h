@@ -8,7 +8,7 @@
 #include "common/status.h"
 #include "worker/bsdf/bsdf.h"
 #include "worker/geometry/geometry.h"
-#include "worker/light/glow_guide.h"
+#include "worker/light/lamp_places.h"
 #include "worker/medium/medium.h"
 #include "worker/medium/near_lamps.h"
 #include "worker/scene/description.h"

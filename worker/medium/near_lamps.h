@@ -6,6 +6,7 @@
 
 #include "worker/light/lamp_places.h"
 #include "worker/math/elementary.h"
+#include "worker/sampling/choose.h"
 
 namespace strata {
 
@@ -44,9 +45,8 @@ class NearLamps {
   /// A distance in [0, length]. The part must not be 0.
   float Sample(float u) const {
     float left = u * total_;
-    size_t i = 0;
-    while (i + 1 < count_ && left >= lamps_[i].share) left -= lamps_[i++].share;
-    const Lamp& lamp = lamps_[i];
+    const Lamp& lamp = lamps_[ChooseByWeight(
+        count_, [&](size_t i) { return lamps_[i].share; }, &left)];
     const float angle = lamp.begin + lamp.angle * std::min(left / lamp.share, 1.0f);
     return std::clamp(lamp.nearest + lamp.height * Tan(angle), 0.0f, length_);
   }

@@ -25,7 +25,7 @@ AliasTable::AliasTable(std::span<const double> weights) : bins_(weights.size()) 
   while (!low.empty() && !high.empty()) {
     const int32_t l = low.back(), h = high.back();
     low.pop_back();
-    bins_[l].own = static_cast<float>(heights[l]);
+    bins_[l].own = heights[l];
     bins_[l].other = h;
     heights[h] -= 1 - heights[l];
     if (heights[h] < 1) {
@@ -36,15 +36,14 @@ AliasTable::AliasTable(std::span<const double> weights) : bins_(weights.size()) 
   // Those left are 1 but for rounding, and keep their bins whole.
 }
 
-AliasTable::Choice AliasTable::Choose(float u) const {
-  const double place = static_cast<double>(u) * outcomes();
+AliasTable::Choice AliasTable::Choose(double u) const {
+  const double place = u * outcomes();
   const int bin = std::min(static_cast<int>(place), outcomes() - 1);
-  const float rest = static_cast<float>(place - bin);
-  const float own = bins_[bin].own;
+  const double rest = place - bin, own = bins_[bin].own;
   const bool is_own = rest < own;
   const int outcome = is_own ? bin : bins_[bin].other;
-  const float fraction = is_own ? rest / own : (rest - own) / (1 - own);
-  return {outcome, bins_[outcome].probability, std::min(fraction, 1 - 0x1p-24f)};
+  const double fraction = is_own ? rest / own : (rest - own) / (1 - own);
+  return {outcome, bins_[outcome].probability, std::min(fraction, 1 - 0x1p-53)};
 }
 
 }  // namespace strata

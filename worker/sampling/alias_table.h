@@ -10,25 +10,26 @@ namespace strata {
 /// (Walker 1974; built by Vose's method, 1991; PBRT A.1).
 ///
 /// Neighbouring random numbers go to unrelated outcomes, so stratified ones lose their order:
-/// PiecewiseConstant1D keeps it, and is what the renderer uses.
+/// PiecewiseConstant1D keeps it.
 class AliasTable {
  public:
   struct Choice {
     int outcome;
     float probability;  ///< Of the outcome.
-    float fraction;     ///< The rest of u, still uniform in [0, 1), in steps of about n 2^-24.
+    double fraction;    ///< The rest of u, still uniform in [0, 1), with log2(n) bits less.
   };
 
   /// 1 to 2^20 weights; those that are not positive and finite count as 0; all zero is uniform.
   explicit AliasTable(std::span<const double> weights);
 
   int outcomes() const { return static_cast<int>(bins_.size()); }
-  Choice Choose(float u) const;
+  /// By `u` in [0, 1).
+  Choice Choose(double u) const;
   float Probability(int outcome) const { return bins_[outcome].probability; }
 
  private:
   struct Bin {
-    float own = 1;          ///< The part of the bin that is its own outcome's.
+    double own = 1;         ///< The part of the bin that is its own outcome's.
     int32_t other = 0;      ///< Whose the rest is.
     float probability = 0;  ///< Of the outcome with the bin's number.
   };

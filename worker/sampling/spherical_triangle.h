@@ -15,9 +15,12 @@ namespace strata {
 class SphericalTriangle {
  public:
   SphericalTriangle(Vec3f p0, Vec3f p1, Vec3f p2, Vec3f from)
-      : a_(Normalize(ToDouble(p0) - ToDouble(from))),
-        b_(Normalize(ToDouble(p1) - ToDouble(from))),
-        c_(Normalize(ToDouble(p2) - ToDouble(from))) {
+      : to0_(ToDouble(p0) - ToDouble(from)),
+        to1_(ToDouble(p1) - ToDouble(from)),
+        to2_(ToDouble(p2) - ToDouble(from)),
+        a_(Normalize(to0_)),
+        b_(Normalize(to1_)),
+        c_(Normalize(to2_)) {
     const double volume = std::fabs(Dot(a_, Cross(b_, c_)));
     solid_angle_ = AngleOf(a_, b_, c_);
     const double alpha = Atan2(volume, Dot(Cross(a_, b_), Cross(a_, c_)));
@@ -50,6 +53,17 @@ class SphericalTriangle {
     return ToFloat(b_ * z + Orthogonal(corner, b_) * std::sqrt(std::max(0.0, (1 - z) * (1 + z))));
   }
 
+  /// The weights of the second and third corner of the point that `w` meets, a direction to the
+  /// triangle: not negative, their sum at most 1.
+  Vec2f WeightsOf(Vec3f w) const {
+    const Vec3d d = ToDouble(w);
+    const double v0 = std::fabs(Dot(d, Cross(to1_, to2_))),
+                 v1 = std::fabs(Dot(d, Cross(to0_, to2_))),
+                 v2 = std::fabs(Dot(d, Cross(to0_, to1_)));
+    const double scale = 1 / (v0 + v1 + v2);
+    return {static_cast<float>(v1 * scale), static_cast<float>(v2 * scale)};
+  }
+
   /// The u that Sample takes to `w`, a direction to the triangle's inside.
   Vec2f Invert(Vec3f w) const {
     const Vec3d p = Normalize(ToDouble(w));
@@ -76,7 +90,8 @@ class SphericalTriangle {
     return length > 0 ? part * (1 / length) : part;
   }
 
-  Vec3d a_, b_, c_;
+  Vec3d to0_, to1_, to2_;  ///< From the point to the corners,
+  Vec3d a_, b_, c_;        ///< of unit length.
   double solid_angle_ = 0;
   double alpha_ = 0, sin_alpha_ = 0, cos_alpha_ = 1;  ///< The angle at A.
   double cos_ab_ = 1;                                 ///< Of the side AB.

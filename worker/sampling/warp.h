@@ -24,11 +24,12 @@ inline Vec2f SampleConcentricDisk(Vec2f u) {
 }
 inline constexpr float ConcentricDiskPdf() { return kInvPi; }
 
-/// Direction of the upper hemisphere, by projected solid angle (Malley's method, PBRT A.5.3).
-inline Vec3f SampleCosineHemisphere(Vec2f u) {
-  const Vec2f d = SampleConcentricDisk(u);
+/// The direction of the upper hemisphere over a point of the unit disk.
+inline Vec3f LiftFromDisk(Vec2f d) {
   return {d.x, d.y, std::sqrt(std::max(0.0f, 1 - d.x * d.x - d.y * d.y))};
 }
+/// Direction of the upper hemisphere, by projected solid angle (Malley's method, PBRT A.5.3).
+inline Vec3f SampleCosineHemisphere(Vec2f u) { return LiftFromDisk(SampleConcentricDisk(u)); }
 inline float CosineHemispherePdf(float cos_theta) { return std::max(0.0f, cos_theta) * kInvPi; }
 
 /// The direction about z with 1 - cos(theta) given, at `turn` of a full turn. Keeps its accuracy

@@ -1,21 +1,14 @@
 #pragma once
 
-#include <cstdint>
+#include "common/bundle.h"
 
 namespace strata {
 
-/// How one light of many is chosen. All but the tree are there to be compared with.
-enum class LightSelection : uint8_t {
-  kTree,       ///< By what each may bring to the point.
-  kIntensity,  ///< By its intensity alone.
-  kUniform     ///< All alike.
-};
-
 /// What benches turn off to show its worth.
 struct BuildOptions {
-  LightSelection selection = LightSelection::kTree;
+  LightSelection selection = LightSelection::kTree;  ///< If the job says nothing else.
   bool quads = true;            ///< Two triangles that make a parallelogram are one light.
-  bool solid_angle = true;      ///< Near rectangles are sampled by solid angle.
+  bool solid_angle = true;      ///< Near rectangles and triangles are sampled by solid angle.
   bool sphere_cones = true;     ///< Spheres are sampled in the cone they fill.
   bool compensate = true;       ///< Environment images are sampled where they are above their mean.
   bool mirrors = true;          ///< Paths are guided to images of lamps in metal rectangles.

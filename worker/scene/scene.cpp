@@ -34,7 +34,7 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Build(SceneDescription descr
   scene->defaults_ = description.defaults;
   STRATA_ASSIGN_OR_RETURN(scene->media_, MediumSet::Build(&description));
   STRATA_ASSIGN_OR_RETURN(scene->geometry_, Geometry::Build(description, options));
-  const std::vector<Ball> balls = FindBalls(description);
+  const std::vector<Ball> balls = options.balls ? FindBalls(description) : std::vector<Ball>();
   // The meshes live in the geometry now; images may need the room.
   description.shapes.clear();
   description.objects.clear();
@@ -53,8 +53,7 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Build(SceneDescription descr
   if (options.mirrors)
     scene->lamp_images_.mirrors =
         MirrorImages(*scene->geometry_, *scene->materials_, scene->lights_->lamps());
-  if (options.balls)
-    scene->lamp_images_.balls = BallImages(balls, *scene->materials_, *scene->lights_);
+  scene->lamp_images_.balls = BallImages(balls, *scene->materials_, *scene->lights_);
   if (options.least_kernel) scene->features_ = FeaturesOf(*scene);
   return scene;
 }
@@ -64,7 +63,10 @@ absl::StatusOr<std::shared_ptr<const Scene>> LoadScene(const FileSource& source,
                                                        const BuildOptions& build_options,
                                                        const SceneOptions& scene_options) {
   STRATA_ASSIGN_OR_RETURN(SceneFile file, ReadSceneFile(source, scene_path, scene_options));
-  return Scene::Build(std::move(file.scene), source, build_options);
+  BuildOptions options = build_options;
+  if (scene_options.light_selection != LightSelection::kTree)
+    options.selection = scene_options.light_selection;
+  return Scene::Build(std::move(file.scene), source, options);
 }
 
 }  // namespace strata
