@@ -49,6 +49,7 @@ struct Row {
   RawEmbreeRates raw;
   RawEmbreeRates cast;    ///< As the kernel casts rays.
   double outside_ns = 0;  ///< Thread time per ray that is not spent in casting it; see README.md.
+  double cast_share = 0;  ///< Part of the time that is.
 };
 
 absl::StatusOr<Row> Measure(const std::string& path, const Options& options) {
@@ -97,6 +98,7 @@ absl::StatusOr<Row> Measure(const std::string& path, const Options& options) {
   const double cast_us =
       (closest / row.cast.closest + occlusion / row.cast.occlusion) / (closest + occlusion);
   row.outside_ns = 1e3 * options.threads * (1 / row.mrays.median - cast_us);
+  row.cast_share = cast_us * row.mrays.median;
   return row;
 }
 
@@ -113,7 +115,8 @@ nlohmann::json ToJson(const Row& row) {
           {"raw_occlusion_mrays_per_s", row.raw.occlusion},
           {"cast_closest_mrays_per_s", row.cast.closest},
           {"cast_occlusion_mrays_per_s", row.cast.occlusion},
-          {"outside_casting_ns_per_ray", row.outside_ns}};
+          {"outside_casting_ns_per_ray", row.outside_ns},
+          {"casting_share", row.cast_share}};
 }
 
 /// The project's own scenes, then the shared ones: FOLDER/FILE.pbrt below either root.
@@ -153,9 +156,9 @@ int Main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   if (scenes.empty()) scenes = DefaultScenes();
   if (!json)
-    std::printf("%-25s %7s %22s %8s %9s %10s %10s %10s %10s %9s\n", "scene", "load s", "Msamples/s",
-                "Mrays/s", "rays/smp", "raw close", "raw occl", "cast close", "cast occl",
-                "ns/ray");
+    std::printf("%-25s %7s %22s %8s %9s %10s %10s %10s %10s %9s %7s\n", "scene", "load s",
+                "Msamples/s", "Mrays/s", "rays/smp", "raw close", "raw occl", "cast close",
+                "cast occl", "ns/ray", "casting");
   for (const std::string& path : scenes) {
     const auto row = Measure(path, options);
     if (!row.ok()) {
@@ -166,10 +169,12 @@ int Main(int argc, char** argv) {
       std::printf("%s\n", ToJson(*row).dump().c_str());
     else
       std::printf(
-          "%-25s %7.2f %7.3f (%5.3f..%5.3f) %8.2f %9.2f %10.2f %10.2f %10.2f %10.2f %9.0f\n",
+          "%-25s %7.2f %7.3f (%5.3f..%5.3f) %8.2f %9.2f %10.2f %10.2f %10.2f %10.2f %9.0f "
+          "%6.0f%%\n",
           row->scene.c_str(), row->load_s, row->msamples.median, row->msamples.min,
           row->msamples.max, row->mrays.median, row->rays_per_sample, row->raw.closest,
-          row->raw.occlusion, row->cast.closest, row->cast.occlusion, row->outside_ns);
+          row->raw.occlusion, row->cast.closest, row->cast.occlusion, row->outside_ns,
+          100 * row->cast_share);
     std::fflush(stdout);
   }
   return 0;
