@@ -3,17 +3,21 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <tuple>
+#include <vector>
 
 #include "tests/statistics/chi_square.h"
 #include "tests/statistics/random.h"
 #include "worker/bsdf/ggx.h"
 #include "worker/sampling/alias_table.h"
 #include "worker/sampling/blinn.h"
+#include "worker/sampling/choose.h"
 #include "worker/sampling/henyey_greenstein.h"
 #include "worker/sampling/inversion.h"
 #include "worker/sampling/jacobian.h"
 #include "worker/sampling/piecewise_linear.h"
 #include "worker/sampling/rejection.h"
+#include "worker/sampling/routines.h"
 #include "worker/sampling/spherical_rectangle.h"
 #include "worker/sampling/spherical_triangle.h"
 #include "worker/sampling/triangle_sqrt.h"
@@ -261,6 +265,40 @@ TEST(Inverses, OfWarps) {
   ExpectInverse(
       "visible normals", [&](Vec2f u) { return ggx.SampleVisibleNormal(wo, u); },
       [&](Vec3f m) { return ggx.InvertVisibleNormal(wo, m); });
+}
+
+TEST(JobRoutines, ArePutBeforeTheShippedMaps) {
+  TestRandom random(70);
+  for (int i = 0; i < 1000; ++i) {
+    const Vec2f u = random.Float2();
+    const Vec2f b = SampleTriangle(TriangleNumbers(SamplingRoutines::kPlain, u));
+    const Vec2f wanted = SampleTriangleSqrt(u);
+    EXPECT_NEAR(b.x, wanted.x, 2e-7);
+    EXPECT_NEAR(b.y, wanted.y, 2e-7);
+    const Vec2f d = SampleDiskBy(SamplingRoutines::kPlain, u), polar = SamplePolarDisk(u);
+    EXPECT_EQ(d.x, polar.x);
+    EXPECT_EQ(d.y, polar.y);
+    const Vec2f kept = TriangleNumbers(SamplingRoutines::kPreserving, u);
+    EXPECT_EQ(kept.x, u.x);
+    EXPECT_EQ(kept.y, u.y);
+  }
+}
+
+TEST(ChooseByWeight, GoesByTheWeightsAndTakesNothingOfNone) {
+  const std::vector<float> weights = {0, 2, 0, 1, 0};
+  const auto choose = [&](float* left) {
+    return ChooseByWeight(
+        weights.size(), [&](size_t i) { return weights[i]; }, left);
+  };
+  for (const auto& [number, outcome, over] : {std::tuple{0.0f, 1u, 0.0f},
+                                              {1.5f, 1u, 1.5f},
+                                              {2.0f, 3u, 0.0f},
+                                              {2.75f, 3u, 0.75f},
+                                              {3.0f, 3u, 1.0f}}) {
+    float left = number;
+    EXPECT_EQ(choose(&left), outcome) << number;
+    EXPECT_EQ(left, over) << number;
+  }
 }
 
 TEST(Inverses, OfSphericalShapes) {

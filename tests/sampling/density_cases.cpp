@@ -240,7 +240,7 @@ std::vector<PlaneCase> PlanarCases() {
       Disk(
           "JobDiskByRejection",
           [](TestRandom& random) {
-            return SampleDisk(SamplingRoutines::kRejection, random.Float2());
+            return SampleDiskBy(SamplingRoutines::kRejection, random.Float2());
           },
           [](Vec2f p) { return Wave(InvertPolarDisk(p).x); }),
       JobTriangle("JobTrianglePlain",

@@ -212,11 +212,11 @@ PlaneCase SphericalRectangleCase() {
 std::vector<PlaneCase> DirectionalCases() {
   return {
       Angles(
-          "UniformHemisphere", FromSquare([](Vec2f u) { return SampleUniformHemisphere(u); }),
+          "UniformHemisphere", FromSquare(SampleUniformHemisphere),
           [](Vec3f) { return UniformHemispherePdf(); },
           [](Vec3f w) { return Wave(InvertUniformHemisphere(w).x); }, kHalfTurn / 2),
       Angles(
-          "CosineHemisphere", FromSquare([](Vec2f u) { return SampleCosineHemisphere(u); }),
+          "CosineHemisphere", FromSquare(SampleCosineHemisphere),
           [](Vec3f w) { return CosineHemispherePdf(w.z); },
           [](Vec3f w) { return Wave(InvertCosineHemisphere(w).x); }, kHalfTurn / 2),
       Angles(
@@ -231,13 +231,13 @@ std::vector<PlaneCase> DirectionalCases() {
           [](Vec3f w) { return Wave(InvertUniformSphere(w).x); }, kHalfTurn),
       Angles(
           "JobHemisphereByRejection", FromSquare([](Vec2f u) {
-            return SampleUniformHemisphere(SamplingRoutines::kRejection, u);
+            return SampleUniformHemisphereBy(SamplingRoutines::kRejection, u);
           }),
           [](Vec3f) { return UniformHemispherePdf(); },
           [](Vec3f w) { return Wave(InvertUniformHemisphere(w).x); }, kHalfTurn / 2),
       Angles(
           "JobCosineHemisphereByRejection", FromSquare([](Vec2f u) {
-            return SampleCosineHemisphere(SamplingRoutines::kRejection, u);
+            return SampleCosineHemisphereBy(SamplingRoutines::kRejection, u);
           }),
           [](Vec3f w) { return CosineHemispherePdf(w.z); },
           [](Vec3f w) { return Wave(InvertCosineHemisphere(w).x); }, kHalfTurn / 2),

@@ -132,6 +132,24 @@ TEST(SameBits, OfEverySampler) {
   ExpectSameBits(farm.client(), known, "3 workers of 2 threads");
 }
 
+TEST(SameBits, OfEveryChoiceOfLightsAndRoutines) {
+  const TestScene garland = Small(OwnScene("garland/garland.pbrt"));
+  std::vector<TestScene> scenes(5, garland);
+  scenes[1].spec.bundle.options.light_selection = LightSelection::kIntensity;
+  scenes[2].spec.bundle.options.light_selection = LightSelection::kUniform;
+  scenes[3].spec.routines = SamplingRoutines::kPlain;
+  scenes[4].spec.routines = SamplingRoutines::kRejection;
+  std::vector<KnownScene> known;
+  std::set<std::string> digests;
+  for (const TestScene& scene : scenes) {
+    known.push_back({scene, Reference(scene).result});
+    digests.insert(known.back().digest.Hex());
+  }
+  EXPECT_EQ(digests.size(), scenes.size()) << "each choice is another";
+  InProcessFarm farm(3, 2);
+  ExpectSameBits(farm.client(), known, "3 workers of 2 threads");
+}
+
 TEST(SameBits, NotWithAnotherSeed) {
   std::vector<TestScene> scenes = {Small(OwnScene("cornell-box/cornell-box.pbrt")),
                                    SmallByRing(OwnScene("textures/textures.pbrt"))};

@@ -35,7 +35,8 @@ std::optional<BsdfSample> SampleHemisphere(DirectStrategy strategy, SamplingRout
   const bool uniform =
       strategy == DirectStrategy::kUniform || std::holds_alternative<PhaseFunction>(bsdf);
   BsdfSample sample;
-  sample.wi = uniform ? SampleUniformHemisphere(routines, u) : SampleCosineHemisphere(routines, u);
+  sample.wi =
+      uniform ? SampleUniformHemisphereBy(routines, u) : SampleCosineHemisphereBy(routines, u);
   sample.pdf = chance * (uniform ? UniformHemispherePdf() : CosineHemispherePdf(sample.wi.z));
   bool below = wo.z < 0;
   if (Transmits(bsdf)) {

@@ -41,7 +41,8 @@ class RenderPool {
 class Renderer {
  public:
   /// INVALID_ARGUMENT when the spec cannot be rendered with this scene. Strategies other than
-  /// kMis are for comparisons: the reference kernel alone knows them, and renders them for either.
+  /// kMis, its other exponents and routines other than kPreserving are for comparisons: the
+  /// reference kernel alone knows them, and renders them for either.
   /// Roulette by efficiency traces its pilot here.
   static absl::StatusOr<std::unique_ptr<Renderer>> Create(std::shared_ptr<const Scene> scene,
                                                           const JobSpec& spec);

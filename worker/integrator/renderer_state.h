@@ -62,7 +62,7 @@ struct Renderer::State {
     const FilterSample film = filter.Sample(sampler.Get2D(kPairFilm));
     *weight = film.weight;
     const Vec2f lens =
-        camera.has_lens() ? SampleDisk(settings.routines, sampler.Get2D(kPairLens)) : Vec2f{0, 0};
+        camera.has_lens() ? SampleDiskBy(settings.routines, sampler.Get2D(kPairLens)) : Vec2f{0, 0};
     const float time = moves ? camera.TimeAt(sampler.Get2D(kPairTime).x) : 0;
     Ray ray = camera.GenerateRay({x + 0.5f + film.offset.x, y + 0.5f + film.offset.y}, lens, time);
     ray.time = time;

@@ -83,7 +83,7 @@ absl::StatusOr<LightSet> LightSet::Build(const SceneDescription& scene, const Ge
       set.AddFromAfar(PowerFromAfar(4 * kPiDouble * Luminance(mean), radius));
     }
   }
-  set.FindProbabilities();
+  set.FindProbabilities(options.selection);
   set.flat_ = FlatLights(set.lights_);
   return set;
 }
@@ -153,20 +153,21 @@ void LightSet::BuildTree(const std::vector<PlacedLight>& placed, LightSelection 
   }
 }
 
-void LightSet::FindProbabilities() {
+void LightSet::FindProbabilities(LightSelection selection) {
   double total = 0, lit = 0;
   for (const Group& group : groups_) {
     total += group.power;
     lit += group.lit;
   }
   const bool known = total > 0 && std::isfinite(total);
+  const double even = selection == LightSelection::kUniform ? 1 : kEvenShare;
   double sum = 0;
   for (Group& group : groups_) {
     const double before = sum;
     if (!known)
       sum += 1.0 / static_cast<double>(groups_.size());
     else if (group.power > 0)
-      sum += (1 - kEvenShare) * group.power / total + kEvenShare * group.lit / lit;
+      sum += (1 - even) * group.power / total + even * group.lit / lit;
     group.end = sum;
     group.probability = static_cast<float>(sum - before);
   }

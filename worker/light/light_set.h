@@ -22,8 +22,8 @@
 namespace strata {
 
 /// The lights of a scene and how one of them is chosen: those at a place by a LightTree or, to
-/// compare, by an AliasTable; against the others by power, and now and then any that shines.
-/// Immutable.
+/// compare, by an AliasTable; against the others by power, and now and then any that shines; or
+/// all alike. Immutable.
 class LightSet {
  public:
   /// `geometry` and `textures`, those of `scene`, must outlive the set. Errors name the light's
@@ -59,8 +59,11 @@ class LightSet {
   /// no more than kMaxLamps; else empty.
   const std::vector<LightBounds>& lamps() const { return lamps_; }
 
+  /// Whether it is a triangle, be its radiance textured or not.
   bool IsTriangle(uint32_t light) const {
-    return std::holds_alternative<TriangleLight>(lights_[light]);
+    const auto* textured = std::get_if<TexturedLight>(&lights_[light]);
+    return textured ? std::holds_alternative<TriangleLight>(textured->surface->plain)
+                    : std::holds_alternative<TriangleLight>(lights_[light]);
   }
   /// The light that the emissive surface `surface` (SurfacePoint::light) is, or is a part of.
   uint32_t LightOfSurface(uint32_t surface) const { return light_of_surface_[surface]; }
@@ -112,7 +115,7 @@ class LightSet {
   void AddFromAfar(double power);
   /// `placed` are the first lights.
   void BuildTree(const std::vector<PlacedLight>& placed, LightSelection selection);
-  void FindProbabilities();
+  void FindProbabilities(LightSelection selection);
 
   std::vector<Light> lights_;  ///< Emissive surfaces first.
   FlatLights flat_;            ///< Of lights_.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <numbers>
 #include <optional>
 
 #include "worker/geometry/geometry.h"
@@ -39,41 +40,36 @@ inline bool IsNear(const TriangleLight& light, Vec3f from) {
   return LengthSquared(to_centroid) < light.near2;
 }
 
-/// Below this many steradians a near triangle is seen edge-on, and sampled by area.
-inline constexpr double kLeastSolidAngle = 1e-4;
-
-inline SphericalTriangle SeenFrom(const TriangleLight& light, Vec3f from) {
-  return {light.p0, light.p0 + light.edge1, light.p0 + light.edge2, from};
+/// The triangle from where it is sampled by solid angle: nearby, but not where it is seen edge-on
+/// or is the very surface the point lies on (less than 2 pi by this many steradians).
+inline std::optional<SphericalTriangle> SeenFrom(const TriangleLight& light, Vec3f from) {
+  constexpr double kMargin = 1e-4;
+  if (!IsNear(light, from)) return std::nullopt;
+  const SphericalTriangle triangle(light.p0, light.p0 + light.edge1, light.p0 + light.edge2, from);
+  const double solid_angle = triangle.solid_angle();
+  if (!(solid_angle > kMargin && solid_angle < 2 * std::numbers::pi - kMargin)) return std::nullopt;
+  return triangle;
 }
 
 }  // namespace triangle_light_detail
 
 inline float PdfLi(const TriangleLight& light, Vec3f from, const EmissionHit& hit) {
-  if (triangle_light_detail::IsNear(light, from)) {
-    const SphericalTriangle triangle = triangle_light_detail::SeenFrom(light, from);
-    if (triangle.solid_angle() > triangle_light_detail::kLeastSolidAngle) return triangle.Pdf();
-  }
+  if (const auto triangle = triangle_light_detail::SeenFrom(light, from)) return triangle->Pdf();
   return AreaToSolidAngle(light.pdf_area, hit.ng, hit.wi, hit.distance * hit.distance);
 }
 
 inline std::optional<LightSample> SampleLi(const TriangleLight& light, Vec3f from, Vec2f u) {
   LightSample sample;
-  Vec2f b = SampleTriangle(u);
-  if (triangle_light_detail::IsNear(light, from)) {
-    const SphericalTriangle triangle = triangle_light_detail::SeenFrom(light, from);
-    if (triangle.solid_angle() > triangle_light_detail::kLeastSolidAngle) {
-      b = triangle.WeightsOf(triangle.Sample(u));
-      sample.pdf = triangle.Pdf();
-    }
-  }
+  const std::optional<SphericalTriangle> near = triangle_light_detail::SeenFrom(light, from);
+  const Vec2f b = near ? near->WeightsOf(near->Sample(u)) : SampleTriangle(u);
   const Vec3f p = light.p0 + light.edge1 * b.x + light.edge2 * b.y;
   const Vec3f to_light = p - from;
   const float distance2 = LengthSquared(to_light);
   if (!(distance2 > 0)) return std::nullopt;
   sample.wi = to_light / std::sqrt(distance2);
   sample.radiance = Le(light, light.ng, -sample.wi);
-  if (sample.pdf == 0)
-    sample.pdf = AreaToSolidAngle(light.pdf_area, light.ng, sample.wi, distance2);
+  sample.pdf =
+      near ? near->Pdf() : AreaToSolidAngle(light.pdf_area, light.ng, sample.wi, distance2);
   if (!(sample.pdf > 0) || IsBlack(sample.radiance)) return std::nullopt;
   sample.end = OffsetRayOrigin(p, light.p_error, light.ng, -to_light);
   return sample;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "worker/sampling/choose.h"
+#include "worker/sampling/inversion.h"
 #include "worker/scene/references.h"
 
 namespace strata {
@@ -167,7 +168,7 @@ Flight MediumSet::Fly(const Ray& ray, MediumId medium, Rgb beta, Vec2f u) const 
     const float mean = Sum(beta * density) / total;
     return mean > 0 ? 1 / mean : 0;
   };
-  float depth = -Log(1 - u.x), passed = 0;  // Optical depth yet to go, distance gone.
+  float depth = SampleExponential(u.x, 1), passed = 0;  // Optical depth yet to go, distance gone.
   Flight flight;
   ForEachStretch(ray, medium, [&](MediumId here, float length) {
     flight.medium = here;

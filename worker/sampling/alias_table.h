@@ -19,7 +19,8 @@ class AliasTable {
     double fraction;    ///< The rest of u, still uniform in [0, 1), with log2(n) bits less.
   };
 
-  /// 1 to 2^20 weights; those that are not positive and finite count as 0; all zero is uniform.
+  /// At least one weight, fewer than 2^31; those that are not positive and finite count as 0; all
+  /// zero is uniform.
   explicit AliasTable(std::span<const double> weights);
 
   int outcomes() const { return static_cast<int>(bins_.size()); }

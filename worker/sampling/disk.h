@@ -5,6 +5,7 @@
 
 #include "worker/math/elementary.h"
 #include "worker/math/vec.h"
+#include "worker/sampling/choose.h"
 
 // The unit disk beside the concentric map of warp.h, and the way back from both.
 
@@ -13,7 +14,7 @@ namespace strata {
 /// The angle of (x, y) in parts of a full turn, in [0, 1).
 inline float TurnOf(float x, float y) {
   const float turn = Atan2(y, x) * (0.5f * kInvPi);
-  return turn < 0 ? std::min(turn + 1, 1 - 0x1p-24f) : turn;
+  return turn < 0 ? std::min(turn + 1, kBelowOne) : turn;
 }
 
 /// Point of the unit disk, uniform by area, by polar coordinates (PBRT A.5.1): cells of the square

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "worker/math/vec.h"
+#include "worker/sampling/choose.h"
 
 namespace strata {
 
@@ -66,7 +67,7 @@ class PiecewiseConstant1D {
   static Choice ChoiceOf(const uint32_t* starts, uint32_t cell, uint32_t point) {
     const float count = static_cast<float>(starts[cell + 1] - starts[cell]);
     const float fraction = (static_cast<float>(point - starts[cell]) + 0.5f) / count;
-    return {static_cast<int>(cell), std::min(fraction, 1 - 0x1p-24f), count * 0x1p-24f};
+    return {static_cast<int>(cell), std::min(fraction, kBelowOne), count * 0x1p-24f};
   }
 
   std::vector<uint32_t> starts_;  ///< First point of each cell; ends with 2^24.

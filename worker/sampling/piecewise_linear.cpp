@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "worker/sampling/choose.h"
 #include "worker/sampling/inversion.h"
 
 namespace strata {
@@ -33,7 +34,7 @@ int PiecewiseLinear1D::CellOf(float x) const {
 float PiecewiseLinear1D::Sample(float u) const {
   const PiecewiseConstant1D::Choice chosen = choice_.Choose(u);
   const float within = SampleLinear(chosen.fraction, nodes_[chosen.cell], nodes_[chosen.cell + 1]);
-  return std::min((static_cast<float>(chosen.cell) + within) * Width(), 1 - 0x1p-24f);
+  return std::min((static_cast<float>(chosen.cell) + within) * Width(), kBelowOne);
 }
 
 float PiecewiseLinear1D::Pdf(float x) const {

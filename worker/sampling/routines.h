@@ -31,7 +31,7 @@ class RejectionNumbers {
 };
 
 /// Point of the unit disk, uniform by area.
-inline Vec2f SampleDisk(SamplingRoutines routines, Vec2f u) {
+inline Vec2f SampleDiskBy(SamplingRoutines routines, Vec2f u) {
   switch (routines) {
     case SamplingRoutines::kPlain:
       return SamplePolarDisk(u);
@@ -44,12 +44,12 @@ inline Vec2f SampleDisk(SamplingRoutines routines, Vec2f u) {
 }
 
 /// Direction of the upper hemisphere, by projected solid angle: a point of the disk, lifted.
-inline Vec3f SampleCosineHemisphere(SamplingRoutines routines, Vec2f u) {
-  return LiftFromDisk(SampleDisk(routines, u));
+inline Vec3f SampleCosineHemisphereBy(SamplingRoutines routines, Vec2f u) {
+  return LiftFromDisk(SampleDiskBy(routines, u));
 }
 
 /// Direction of the upper hemisphere, by solid angle. By inversion there is one way only.
-inline Vec3f SampleUniformHemisphere(SamplingRoutines routines, Vec2f u) {
+inline Vec3f SampleUniformHemisphereBy(SamplingRoutines routines, Vec2f u) {
   if (routines != SamplingRoutines::kRejection) return SampleUniformHemisphere(u);
   Vec3f w = SampleSphereByRejection(RejectionNumbers(u)).point;
   w.z = std::fabs(w.z);

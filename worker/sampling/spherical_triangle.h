@@ -30,7 +30,7 @@ class SphericalTriangle {
     cos_ab_ = Dot(a_, b_);
   }
 
-  /// 0 or NaN: the point lies in the triangle's plane.
+  /// Of a point in the triangle's plane 0, or 2 pi within the triangle; NaN at a corner.
   double solid_angle() const { return solid_angle_; }
   /// Density by solid angle of every direction to the triangle.
   float Pdf() const { return static_cast<float>(1 / solid_angle_); }
@@ -54,7 +54,7 @@ class SphericalTriangle {
   }
 
   /// The weights of the second and third corner of the point that `w` meets, a direction to the
-  /// triangle: not negative, their sum at most 1.
+  /// triangle, whose plane the point does not lie in: not negative, their sum at most 1.
   Vec2f WeightsOf(Vec3f w) const {
     const Vec3d d = ToDouble(w);
     const double v0 = std::fabs(Dot(d, Cross(to1_, to2_))),
