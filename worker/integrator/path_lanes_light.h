@@ -104,8 +104,9 @@ template <typename Sampler, uint32_t kHas>
 void PathLanes<Sampler, kHas>::Fade(const RayLanes& shadow, const Vec3Lanes& wi, MaskLanes mask,
                                     RgbLanes* contribution) const {
   ForEachLane(mask, [&](int lane) {
-    const Rgb transmittance =
-        scene_.media().Transmittance(shadow.Get(lane), MediumTowards(lane, wi.Get(lane)));
+    const MediumId medium = MediumTowards(lane, wi.Get(lane));
+    if (scene_.media().IsOutside(medium)) return;
+    const Rgb transmittance = scene_.media().Transmittance(shadow.Get(lane), medium);
     contribution->Set(lane, contribution->Get(lane) * transmittance);
   });
 }

@@ -70,6 +70,8 @@ class MediumSet {
 
   /// The part of radiance that is left of it over a segment that starts in `medium`.
   Rgb Transmittance(const Ray& ray, MediumId medium) const;
+  /// Whether a ray in `medium` is in none until it meets a surface.
+  bool IsOutside(MediumId medium) const { return medium == kNoMedium && !borders_; }
 
  private:
   MediumSet() = default;
