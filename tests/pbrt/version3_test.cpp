@@ -99,11 +99,73 @@ TEST(Version3, MaterialsHaveTheirDefaults) {
   EXPECT_TRUE(Warns(plastic, "\"Ks\" of Material is ignored; the coat reflects by its index"));
   const PbrtScene glass = World("Material \"glass\" \"float index\" 1.3 Shape \"sphere\"");
   EXPECT_FLOAT_EQ(MaterialOf<DielectricMaterial>(glass).eta, 1.3f);
+}
+
+TEST(Version3, TranslucentMaterialsMultiplyBothPartsByKd) {
   const PbrtScene leaf =
       World("Material \"translucent\" \"rgb reflect\" [ .1 .2 .3 ] Shape \"sphere\"");
   const auto both = MaterialOf<DiffuseTransmissionMaterial>(leaf);
-  EXPECT_EQ(ColorOf(leaf, both.reflectance), (Rgb{0.1f, 0.2f, 0.3f}));
-  EXPECT_EQ(ColorOf(leaf, both.transmittance), Rgb::Gray(0.5f));
+  EXPECT_EQ(ColorOf(leaf, both.reflectance), (Rgb{0.025f, 0.05f, 0.075f}));
+  EXPECT_EQ(ColorOf(leaf, both.transmittance), Rgb::Gray(0.125f));
+  const PbrtScene paper = World(
+      "Material \"translucent\" \"rgb Kd\" [ 1 .5 .2 ] \"rgb transmit\" [ 1 1 1 ] Shape "
+      "\"sphere\"");
+  const auto sheet = MaterialOf<DiffuseTransmissionMaterial>(paper);
+  EXPECT_EQ(ColorOf(paper, sheet.reflectance), (Rgb{0.5f, 0.25f, 0.1f}));
+  EXPECT_EQ(ColorOf(paper, sheet.transmittance), (Rgb{1, 0.5f, 0.2f}));
+  // A texture, where both parts are the same gray.
+  const std::string veins =
+      "Texture \"veins\" \"spectrum\" \"checkerboard\" Material \"translucent\" \"texture Kd\" "
+      "\"veins\" ";
+  const PbrtScene veined = World(veins +
+                                 "\"rgb reflect\" [ .4 .4 .4 ] \"rgb transmit\" "
+                                 "[ .4 .4 .4 ] Shape \"sphere\"");
+  const auto textured = MaterialOf<DiffuseTransmissionMaterial>(veined);
+  EXPECT_EQ(textured.reflectance, textured.transmittance);
+  EXPECT_TRUE(
+      std::holds_alternative<CheckerboardTexture>(veined.scene.textures.at(textured.reflectance)));
+  EXPECT_FLOAT_EQ(textured.scale, 0.4f);
+  EXPECT_FALSE(Warns(veined, "\"Kd\""));
+  // Where they are not, it is told that it is dropped.
+  EXPECT_TRUE(Warns(World(veins + "\"rgb reflect\" [ .4 .1 .4 ] Shape \"sphere\""), "\"Kd\""));
+}
+
+TEST(Version3, PlasticAndUberWithoutASpecularPartAreMatte) {
+  for (const std::string& words :
+       {std::string("\"plastic\""), std::string("\"uber\" \"rgb Kr\" [ 0 0 0 ]")}) {
+    const PbrtScene scene =
+        World("Material " + words +
+              " \"rgb Kd\" [ .5 .4 .3 ] \"rgb Ks\" [ 0 0 0 ] \"float roughness\" 0.2 Shape "
+              "\"sphere\"");
+    EXPECT_EQ(ColorOf(scene, MaterialOf<DiffuseMaterial>(scene).reflectance),
+              (Rgb{0.5f, 0.4f, 0.3f}));
+    EXPECT_TRUE(Warns(scene, "without \"Ks\" is read as \"matte\""));
+  }
+  const PbrtScene shiny =
+      World("Material \"uber\" \"rgb Kr\" [ .1 .1 .1 ] \"rgb Ks\" [ 0 0 0 ] Shape \"sphere\"");
+  EXPECT_EQ(ColorOf(shiny, MaterialOf<CoatedDiffuseMaterial>(shiny).reflectance), Rgb::Gray(0.25f));
+}
+
+TEST(Version3, GammasOfImagesAreEncodings) {
+  const auto image = [](const std::string& gamma) {
+    SceneFolder folder;
+    folder.Write("t.png", "");
+    folder.Write(
+        "scene.pbrt",
+        "WorldBegin Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"t.png\" " +
+            gamma + " Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"sphere\"");
+    const absl::StatusOr<PbrtScene> read = folder.Read();
+    EXPECT_TRUE(read.ok()) << read.status();
+    const PbrtScene scene = read.value_or(PbrtScene{});
+    EXPECT_TRUE(Warns(scene, "\"gamma\" of Texture is read as \"encoding\"")) << gamma;
+    return std::get<ImageTexture>(
+        scene.scene.textures.at(MaterialOf<DiffuseMaterial>(scene).reflectance));
+  };
+  EXPECT_EQ(image("\"bool gamma\" true").encoding, ImageEncoding::kSrgb);
+  EXPECT_EQ(image("\"bool gamma\" false").encoding, ImageEncoding::kLinear);
+  const ImageTexture old = image("\"float gamma\" 2.2");
+  EXPECT_EQ(old.encoding, ImageEncoding::kGamma);
+  EXPECT_FLOAT_EQ(old.gamma, 2.2f);
 }
 
 TEST(Version3, RoughnessKeepsItsAlpha) {

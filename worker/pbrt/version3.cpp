@@ -89,7 +89,7 @@ constexpr ParameterWord kParameterWords[] = {
     {"Material", "translucent", "reflect", "reflectance"},
     {"Material", "translucent", "transmit", "transmittance"},
     {"Material", "translucent", "Ks", "", "it scatters diffusely alone"},
-    {"Material", "translucent", "Kd", "", "it is taken as 1"},
+    {"Material", "translucent", "Kd", "", "it multiplies numbers, or as a texture equal gray ones"},
     {"Material", "translucent", "roughness", "", "it scatters diffusely alone"},
     {"Material", "translucent", "remaproughness", "", "it scatters diffusely alone"},
 };
@@ -100,11 +100,10 @@ struct DefaultWord {
   float value;
 };
 constexpr DefaultWord kDefaults[] = {
-    {"metal", "roughness", "float", 0.01f},      {"mirror", "reflectance", "rgb", 0.9f},
-    {"plastic", "reflectance", "rgb", 0.25f},    {"plastic", "roughness", "float", 0.1f},
-    {"substrate", "reflectance", "rgb", 0.5f},   {"substrate", "roughness", "float", 0.1f},
-    {"uber", "reflectance", "rgb", 0.25f},       {"uber", "roughness", "float", 0.1f},
-    {"translucent", "reflectance", "rgb", 0.5f}, {"translucent", "transmittance", "rgb", 0.5f},
+    {"metal", "roughness", "float", 0.01f},    {"mirror", "reflectance", "rgb", 0.9f},
+    {"plastic", "reflectance", "rgb", 0.25f},  {"plastic", "roughness", "float", 0.1f},
+    {"substrate", "reflectance", "rgb", 0.5f}, {"substrate", "roughness", "float", 0.1f},
+    {"uber", "reflectance", "rgb", 0.25f},     {"uber", "roughness", "float", 0.1f},
 };
 
 /// One directive on its way from v3 to v4.
@@ -121,6 +120,10 @@ class Translation {
 
   absl::Status Run() {
     TranslateColors();
+    if (directive_ == "Material") {
+      TakeMatte();
+      TakeTranslucence();
+    }
     STRATA_RETURN_IF_ERROR(TranslateType());
     for (const ParameterWord& word : kParameterWords) TranslateParameter(word);
     if (directive_ == "Material") {
@@ -163,6 +166,54 @@ class Translation {
       Note(parameter.where, "parameter type \"color\"", "\"rgb\"");
       parameter.type = "rgb";
     }
+  }
+
+  /// Plastic and uber materials without a specular part, as `pbrt --upgrade` has them.
+  void TakeMatte() {
+    if (from_ != "plastic" && from_ != "uber") return;
+    const auto black = [&](std::string_view name, bool otherwise) {
+      const Parameter* p = Find(name);
+      return p ? p->type == "rgb" && p->numbers == std::vector<double>(3, 0.0) : otherwise;
+    };
+    if (!black("Ks", false) || (from_ == "uber" && !black("Kr", true))) return;
+    Note(where_, StrCat("Material \"", from_, "\" without \"Ks\""), "\"matte\"");
+    for (const std::string_view name :
+         {"Ks", "Kr", "roughness", "uroughness", "vroughness", "remaproughness", "index", "eta"})
+      Remove(name);
+    if (!Find("Kd") && !Find("reflectance")) Add("Kd", "rgb").numbers.assign(3, 0.25);
+    type_ = from_ = "matte";
+  }
+
+  /// v3's translucent materials multiply both parts by "Kd".
+  void TakeTranslucence() {
+    if (from_ != "translucent") return;
+    for (const std::string_view name : {"reflect", "transmit"}) {
+      if (!Find(name)) Add(name, "rgb").numbers.assign(3, 0.5);
+    }
+    if (!Find("Kd")) Add("Kd", "rgb").numbers.assign(3, 0.25);
+    const Parameter kd = *Find("Kd");
+    Parameter *reflect = Find("reflect"), *transmit = Find("transmit");
+    const auto is_color = [](const Parameter& p) {
+      return p.type == "rgb" && p.numbers.size() == 3;
+    };
+    if (!is_color(*reflect) || !is_color(*transmit)) return;
+    const std::vector<double> gray(3, reflect->numbers[0]);
+    if (is_color(kd)) {
+      for (size_t i = 0; i < 3; ++i) {
+        reflect->numbers[i] *= kd.numbers[i];
+        transmit->numbers[i] *= kd.numbers[i];
+      }
+    } else if (kd.type == "texture" && reflect->numbers == gray && transmit->numbers == gray) {
+      for (Parameter* part : {reflect, transmit}) {
+        part->type = "texture";
+        part->numbers.clear();
+        part->strings = kd.strings;
+      }
+      Add("scale", "float").numbers = {gray[0]};
+    } else {
+      return;
+    }
+    Remove("Kd");
   }
 
   absl::Status TranslateType() {
@@ -277,12 +328,19 @@ class Translation {
   }
 
   void TranslateGamma() {
-    Parameter* gamma = Find("gamma");
-    if (type_ != "imagemap" || !gamma || gamma->type != "bool" || gamma->bools.size() != 1) return;
+    const Parameter* gamma = Find("gamma");
+    if (type_ != "imagemap" || !gamma) return;
+    std::string encoding;
+    if (gamma->type == "bool" && gamma->bools.size() == 1) {
+      encoding = gamma->bools[0] ? "sRGB" : "linear";
+    } else if (gamma->type == "float" && gamma->numbers.size() == 1) {
+      encoding = StrCat("gamma ", gamma->numbers[0]);
+    } else {
+      return;
+    }
     Note(gamma->where, "\"gamma\" of Texture", "\"encoding\"");
-    const bool is_srgb = gamma->bools[0];
     Remove("gamma");
-    Add("encoding", "string").strings = {is_srgb ? "sRGB" : "linear"};
+    Add("encoding", "string").strings = {encoding};
   }
 
   /// v3 takes "float uv" and "float st" as pairs.
@@ -361,7 +419,7 @@ class Translation {
   const std::string_view directive_;
   const SourceLocation& where_;
   std::string& type_;
-  const std::string from_;  ///< The type in v3's words.
+  std::string from_;  ///< The type in v3's words.
   std::vector<Parameter>& parameters_;
   WarningList& warnings_;
 };
