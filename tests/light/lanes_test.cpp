@@ -59,14 +59,16 @@ TEST(LightLanes, ChooseWhatEachChooses) {
 }
 
 TEST(LightLanes, SampleWhatEachSamples) {
-  // Half of the squares measure 10 units: points among them sample those by solid angle.
+  // Half of the squares and triangles measure 10 units: points among them sample those by solid
+  // angle.
   TestRandom random(2);
   SceneDescription scene = ManyLamps(50, 8);
-  for (size_t i = 1; i < scene.shapes.size(); i += 8) {
-    scene.shapes[i].to_world = scene.shapes[i].to_world * Transform::Scale(50, 50, 50);
+  for (size_t i = 0; i < scene.shapes.size(); ++i) {
+    if (i % 8 < 2)
+      scene.shapes[i].to_world = scene.shapes[i].to_world * Transform::Scale(50, 50, 50);
   }
   const LightScene lights(std::move(scene));
-  int quads = 0, near = 0;
+  int quads = 0, near = 0, triangles = 0, near_triangles = 0;
   for (int i = 0; i < 4000; ++i) {
     const Receivers receivers(random);
     IntLanes light = {};
@@ -80,6 +82,10 @@ TEST(LightLanes, SampleWhatEachSamples) {
       if (const auto* quad = std::get_if<QuadLight>(&lights.lights.lights()[id])) {
         ++quads;
         near += quad_light_detail::IsNear(*quad, from);
+      }
+      if (const auto* triangle = std::get_if<TriangleLight>(&lights.lights.lights()[id])) {
+        ++triangles;
+        near_triangles += triangle_light_detail::IsNear(*triangle, from);
       }
       const bool valid = samples.valid[lane] != 0 && !IsBlack(samples.radiance.Get(lane));
       ASSERT_EQ(valid, one.has_value()) << "light " << id;
@@ -95,6 +101,8 @@ TEST(LightLanes, SampleWhatEachSamples) {
   }
   EXPECT_GT(near, 1000);
   EXPECT_GT(quads - near, 1000);
+  EXPECT_GT(near_triangles, 1000);
+  EXPECT_GT(triangles - near_triangles, 1000);
 }
 
 }  // namespace

@@ -153,6 +153,20 @@ TEST(LightSelection, LeavesTheRestOfTheNumberUniform) {
   EXPECT_LT(KolmogorovSmirnovUniform(bent), level);
 }
 
+TEST(LightSelection, TakesAllAlikeIfAskedToFromAfarToo) {
+  SceneDescription scene;
+  for (const float power : {1.0f, 100.0f}) {
+    scene.lights.push_back({{}, PointLightDescription{{0, 0, 1}, Rgb::Gray(power)}});
+    scene.lights.push_back({{}, DistantLightDescription{{0, 0, 1}, Rgb::Gray(power)}});
+  }
+  const TestLights even(scene, {.selection = LightSelection::kUniform});
+  const TestLights tree(scene, {});
+  for (uint32_t light = 0; light < 4; ++light) {
+    EXPECT_FLOAT_EQ(even.set.Probability(light, kReceiver), 0.25f) << light;
+    EXPECT_GT(std::abs(tree.set.Probability(light, kReceiver) - 0.25f), 0.05f) << light;
+  }
+}
+
 TEST(LightSelection, NeverTakesABlackLightAndNowAndThenAFaintOne) {
   const TestLights lights({0, 1e8f, 1e-8f, 0});
   EXPECT_EQ(lights.set.Probability(0, kReceiver), 0);

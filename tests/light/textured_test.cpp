@@ -51,6 +51,24 @@ ShapeDescription WithUv(ShapeDescription shape) {
   return shape;
 }
 
+TEST(TexturedLamps, AreTrianglesIfTheirSurfaceIs) {
+  const std::vector<LampCase> cases = AllLampCases();
+  int triangles = 0, others = 0;
+  for (const LampCase& c : cases) {
+    SceneDescription scene;
+    scene.textures.push_back(ConstantTexture{Rgb::Gray(0.5f)});
+    scene.shapes.push_back(WithUv(c.shape));
+    scene.shapes[0].emission->texture = 0;
+    const LightScene built(std::move(scene));
+    ASSERT_TRUE(std::holds_alternative<TexturedLight>(built.lights.lights().at(0))) << c.name;
+    const bool expected = c.name.rfind("triangle", 0) == 0 || c.name.rfind("sliver", 0) == 0;
+    EXPECT_EQ(built.lights.IsTriangle(0), expected) << c.name;
+    ++(expected ? triangles : others);
+  }
+  EXPECT_GT(triangles, 3);
+  EXPECT_GT(others, 3);
+}
+
 /// The part of the samples whose radiance is what a ray to `seen` meets at the sampled point.
 double MatchingShare(const LampCase& c, const Lamp& sampled, const Lamp& seen) {
   TestRandom random(3);

@@ -209,10 +209,9 @@ void RenderAlike(const Renderer::State& job, const WorkUnit& unit, int64_t begin
   SampleCursor cursor(unit, begin, end);
   TracedSamples<Sampler> samples(job, cursor);
   // What is there to compare with goes one by one.
-  const bool side_by_side = job.spec.kernel == KernelKind::kFast &&
-                            job.settings.direct == DirectStrategy::kMis &&
-                            job.settings.mis_beta == kPower &&
-                            job.settings.routines == SamplingRoutines::kPreserving;
+  const bool side_by_side =
+      job.spec.kernel == KernelKind::kFast && job.settings.direct == DirectStrategy::kMis &&
+      job.settings.mis_beta == kPower && job.settings.routines == SamplingRoutines::kPreserving;
   std::vector<HeldSample> held;
   held.reserve(kHeldSamples);
   PixelSum sum(job.layout);
