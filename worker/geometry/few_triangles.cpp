@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "worker/geometry/state.h"
+#include "worker/math/cpu_clones.h"
 
 namespace strata {
 namespace {
@@ -62,7 +63,8 @@ FewTriangles::FewTriangles(const TriangleSet& set) {
   }
 }
 
-MaskLanes FewTriangles::Intersect(const RayLanes& rays, MaskLanes active, HitLanes* hits) const {
+STRATA_CPU_CLONES MaskLanes FewTriangles::Intersect(const RayLanes& rays, MaskLanes active,
+                                                    HitLanes* hits) const {
   // The nearest yet, as quotients over `denominator`.
   FloatLanes t = rays.t_max, u = {}, v = {}, denominator = SameFloat(1);
   IntLanes primitive = SameInt(-1);
@@ -85,7 +87,7 @@ MaskLanes FewTriangles::Intersect(const RayLanes& rays, MaskLanes active, HitLan
   return active & (primitive >= 0);
 }
 
-MaskLanes FewTriangles::Occluded(const RayLanes& rays, MaskLanes active) const {
+STRATA_CPU_CLONES MaskLanes FewTriangles::Occluded(const RayLanes& rays, MaskLanes active) const {
   MaskLanes open = active;
   for (const Triangle& triangle : triangles_) {
     const Test test(triangle, rays);

@@ -1,6 +1,7 @@
 #include "worker/geometry/geometry_lanes.h"
 
 #include "worker/geometry/state.h"
+#include "worker/math/cpu_clones.h"
 
 namespace strata {
 namespace {
@@ -36,8 +37,8 @@ Vec3Lanes GatherVectors(const std::vector<Vec3f>& from, IntLanes index, MaskLane
 }
 
 /// PointOnTriangle, but for what only some materials ask for.
-void PointsOnTriangles(const TriangleSet& set, const HitLanes& hits, MaskLanes mask, bool with_uv,
-                       SurfaceLanes* surface) {
+STRATA_CPU_CLONES void PointsOnTriangles(const TriangleSet& set, const HitLanes& hits,
+                                         MaskLanes mask, bool with_uv, SurfaceLanes* surface) {
   const auto bits = [](FloatLanes v) { return reinterpret_cast<IntLanes>(v); };
   const RowLanes triangle =
       GatherRows(reinterpret_cast<const float*>(set.triangles.data()), hits.primitive * 4, mask);

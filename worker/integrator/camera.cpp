@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "worker/light/environment_map.h"
+#include "worker/math/cpu_clones.h"
 #include "worker/math/elementary.h"
 #include "worker/math/motion.h"
 #include "worker/math/vec3d.h"
@@ -178,8 +179,8 @@ float Camera::DepthFrom(const Pose& pose, Vec3f p) const {
   return kind_ == CameraKind::kSpherical ? Length(offset) : Dot(offset, Normalize(pose.view));
 }
 
-RayLanes Camera::GenerateRays(Vec2Lanes point, Vec2Lanes lens, FloatLanes time,
-                              MaskLanes mask) const {
+STRATA_CPU_CLONES RayLanes Camera::GenerateRays(Vec2Lanes point, Vec2Lanes lens, FloatLanes time,
+                                                MaskLanes mask) const {
   RayLanes rays;
   if (kind_ != CameraKind::kPerspective || moves()) {
     ForEachLane(mask, [&](int lane) {

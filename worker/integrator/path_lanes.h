@@ -34,10 +34,9 @@ class PathLanes {
   /// Traces samples until there are no more. `next(lane, samplers)` starts the next one in a lane
   /// of the samplers, or is false at the end; `rays(get, mask)` gives camera rays, whose
   /// random numbers are get(pair); `store(lane, sample)` takes what a lane has found, before it
-  /// starts another. flatten: what is called from here, visits of variants too,
-  /// is inlined; left to itself gcc 12 calls it piece by piece and passes results in memory.
+  /// starts another.
   template <typename Next, typename CameraRays, typename Store>
-  [[gnu::flatten]] void Trace(Next next, CameraRays rays, Store store) {
+  void Trace(Next next, CameraRays rays, Store store) {
     MaskLanes alive = {};
     while (true) {
       MaskLanes starting = {};

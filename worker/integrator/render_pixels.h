@@ -8,6 +8,7 @@
 #include "worker/integrator/path_lanes.h"
 #include "worker/integrator/pixel_sum.h"
 #include "worker/integrator/renderer_state.h"
+#include "worker/math/cpu_clones.h"
 
 // Renderer::State::RenderPixels, which is compiled for each sampler in a file of its own: the
 // kernels are most of what there is to compile.
@@ -136,9 +137,12 @@ void TraceOneByOne(const Renderer::State& job, TracedSamples<Sampler>& samples,
   }
 }
 
+/// flatten: all that is called is inlined, visits of variants too; left to itself gcc 12 calls it
+/// piece by piece and passes results in memory.
 template <typename Sampler, uint32_t kHas>
-void TraceWith(const Renderer::State& job, TracedSamples<Sampler>& samples,
-               std::vector<HeldSample>& held) {
+STRATA_CPU_CLONES [[gnu::flatten]] void TraceWith(const Renderer::State& job,
+                                                  TracedSamples<Sampler>& samples,
+                                                  std::vector<HeldSample>& held) {
   held.clear();
   std::array<size_t, kLanes> place;
   Vec2Lanes pixel;

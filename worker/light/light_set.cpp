@@ -5,6 +5,8 @@
 #include <numbers>
 #include <utility>
 
+#include "worker/math/cpu_clones.h"
+
 namespace strata {
 namespace {
 
@@ -182,8 +184,8 @@ std::optional<LightSample> LightSet::Sample(uint32_t light, Vec3f from, Vec2f u)
   return std::visit([&](const auto& l) { return SampleLi(l, from, u); }, lights_[light]);
 }
 
-LightSet::ChoiceLanes LightSet::Select(const LightReceiverLanes& receivers, Vec2Lanes u,
-                                       MaskLanes mask) const {
+STRATA_CPU_CLONES LightSet::ChoiceLanes LightSet::Select(const LightReceiverLanes& receivers,
+                                                         Vec2Lanes u, MaskLanes mask) const {
   if (lights_.size() == 1) return {IntLanes{}, SameFloat(1), u.x};
   DoubleLanes rest;
   std::array<const Group*, kLanes> groups;

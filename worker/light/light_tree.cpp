@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 
+#include "worker/math/cpu_clones.h"
 namespace strata {
 namespace {
 
@@ -154,7 +155,8 @@ LightTree::Choice LightTree::Select(const LightReceiver& receiver, double u) con
   return walk.choice;
 }
 
-LightTree::WalkLanes LightTree::Start(const PointLanes& points, const DoubleLanes& u) const {
+STRATA_CPU_CLONES LightTree::WalkLanes LightTree::Start(const PointLanes& points,
+                                                        const DoubleLanes& u) const {
   std::array<FloatLanes, 4> weights[4];
   std::array<FloatLanes, 4> sums = {};
   for (uint32_t i = 0; i < root_nodes_; ++i) {
@@ -174,8 +176,9 @@ LightTree::WalkLanes LightTree::Start(const PointLanes& points, const DoubleLane
   return {node.place, place.place, node.probability * place.probability, place.u};
 }
 
-LightTree::ChoiceLanes LightTree::Select(const LightReceiverLanes& receivers, const DoubleLanes& u,
-                                         MaskLanes mask) const {
+STRATA_CPU_CLONES LightTree::ChoiceLanes LightTree::Select(const LightReceiverLanes& receivers,
+                                                           const DoubleLanes& u,
+                                                           MaskLanes mask) const {
   ChoiceLanes choices;
   const auto choose = [&](int lane, const Choice& choice) {
     choices.index[lane] = static_cast<int32_t>(choice.index);
