@@ -34,10 +34,13 @@ class CoatedDiffuseLanes {
                    alphas_escaping = GatherRows(first_ + 12, row_, mask);
     eta_ = internal_eta.v[3];
     optical_depth_ = {depth_entering.v[0], depth_entering.v[1], depth_entering.v[2]};
+    clear_ = !Any(mask & ~IsBlack(optical_depth_));
     gray_ = !Any(
         mask & ~((optical_depth_.r == optical_depth_.g) & (optical_depth_.g == optical_depth_.b)));
     ggx_ = {alphas_escaping.v[0], alphas_escaping.v[1]};
     smooth_ = ggx_.IsSmooth();
+    any_smooth_ = Any(mask & smooth_);
+    any_rough_ = Any(mask & ~smooth_);
     const RgbLanes internal = {internal_eta.v[0], internal_eta.v[1], internal_eta.v[2]};
     base_ =
         reflectance * (kInvPi / (eta_ * eta_)) / (SameColor(Rgb::Gray(1)) - reflectance * internal);
@@ -45,7 +48,7 @@ class CoatedDiffuseLanes {
     o_ = Enter(wo_.z);
     const FloatLanes entering = depth_entering.v[3], escaping_path = alphas_escaping.v[2];
     base_albedo_ = base_ * (kPi * (1 - o_.reflectance) * entering) *
-                   Transmittance(1 / o_.cos_refracted + escaping_path);
+                   Transmittance([&] { return 1 / o_.cos_refracted + escaping_path; });
     const FloatLanes base_albedo = MaxComponent(base_albedo_);
     border_ = base_albedo > 0 ? o_.reflectance / (o_.reflectance + base_albedo) : SameFloat(1);
   }
@@ -71,8 +74,10 @@ class CoatedDiffuseLanes {
     sample.wi = base_wi;
     if (Any(border)) {
       const Vec3Lanes mirrored = {-wo_.x, -wo_.y, wo_.z};
-      const Vec3Lanes m = ggx_.SampleVisibleNormal(wo_, u);
-      sample.wi = Select(border, Select(smooth_, mirrored, Reflect(wo_, m)), base_wi);
+      Vec3Lanes reflected = mirrored;
+      if (any_rough_)
+        reflected = Select(smooth_, mirrored, Reflect(wo_, ggx_.SampleVisibleNormal(wo_, u)));
+      sample.wi = Select(border, reflected, base_wi);
     }
     const BsdfValueLanes value = Scatter(sample.wi);
     const FloatLanes mirror_weight = o_.reflectance / border_;
@@ -88,21 +93,35 @@ class CoatedDiffuseLanes {
   static constexpr int32_t kStride = sizeof(BaseRow) / sizeof(float);
   static constexpr int kBorder = offsetof(BaseRow, border) / sizeof(float);
 
+  /// The refracted cosine is known unless all coats are clear and rough.
   struct Direction {
     FloatLanes reflectance = {}, cos_refracted = {};
   };
   Direction Enter(FloatLanes cos_theta) const {
-    const DielectricFresnelOf<FloatLanes> fresnel = FresnelDielectric(cos_theta, eta_);
+    Direction direction;
+    if (any_smooth_ || !clear_) {
+      const DielectricFresnelOf<FloatLanes> fresnel = FresnelDielectric(cos_theta, eta_);
+      direction = {fresnel.reflectance, fresnel.cos_refracted};
+    }
+    if (any_rough_)
+      direction.reflectance = smooth_ ? direction.reflectance : RoughReflectance(cos_theta);
+    return direction;
+  }
+
+  FloatLanes RoughReflectance(FloatLanes cos_theta) const {
     constexpr int kCells = AlbedoTable::kCosines - 1;
     const FloatLanes scaled = Sqrt(Min(cos_theta, SameFloat(1))) * static_cast<float>(kCells);
     const IntLanes whole = ToInt(scaled);
     const IntLanes cell = whole < kCells ? whole : SameInt(kCells - 1);
     const RowLanes ends = GatherRows(first_ + kBorder, row_ + cell, cell >= 0);
-    const FloatLanes rough = ends.v[0] + (ends.v[1] - ends.v[0]) * (scaled - ToFloat(cell));
-    return {smooth_ ? fresnel.reflectance : rough, fresnel.cos_refracted};
+    return ends.v[0] + (ends.v[1] - ends.v[0]) * (scaled - ToFloat(cell));
   }
 
-  RgbLanes Transmittance(FloatLanes length) const {
+  /// Along paths of `path_length()` times the coat's thickness.
+  template <typename PathLength>
+  RgbLanes Transmittance(PathLength path_length) const {
+    if (clear_) return SameColor(Rgb::Gray(1));
+    const FloatLanes length = path_length();
     const auto through = [length](FloatLanes depth) {
       return depth == 0 ? SameFloat(1) : Exp(-depth * length);
     };
@@ -116,8 +135,9 @@ class CoatedDiffuseLanes {
     const Direction i = Enter(wi.z);
     BsdfValueLanes value;
     value.f = base_ * ((1 - o_.reflectance) * (1 - i.reflectance) * wi.z) *
-              Transmittance(1 / o_.cos_refracted + 1 / i.cos_refracted);
+              Transmittance([&] { return 1 / o_.cos_refracted + 1 / i.cos_refracted; });
     value.pdf = (1 - border_) * (Max(FloatLanes{}, wi.z) * kInvPi);
+    if (!any_rough_) return value;
     const Vec3Lanes m = Normalize(wo_ + wi);
     const FloatLanes fresnel =
         FresnelDielectric(Min(AbsDot(wo_, m), SameFloat(1)), eta_).reflectance;
@@ -134,9 +154,10 @@ class CoatedDiffuseLanes {
   Vec3Lanes wo_;  ///< Above the surface.
   FloatLanes eta_ = {};
   RgbLanes optical_depth_, base_, base_albedo_;
-  bool gray_ = false;  ///< All optical depths are.
+  bool clear_ = false, gray_ = false;  ///< All optical depths are 0, or gray.
   GgxOf<FloatLanes> ggx_;
   MaskLanes smooth_ = {};
+  bool any_smooth_ = false, any_rough_ = false;
   Direction o_;
   FloatLanes border_ = {};  ///< Part of samples that go to the border's reflection.
 };

@@ -171,7 +171,9 @@ class PathLanes {
     in_medium_ = MaskLanes{};
     const MaskLanes flying = media.borders() ? alive : alive & (medium_ != kNoMedium);
     if (!Any(flying)) return alive;
-    const Vec2Lanes u = sampler_.Get2D(depth_ + static_cast<int32_t>(kPairFirstFlight), flying);
+    Vec2Lanes u;
+    if (media.scatters())
+      u = sampler_.Get2D(depth_ + static_cast<int32_t>(kPairFirstFlight), flying);
     ForEachLane(flying, [&](int lane) {
       Ray ray = ray_.Get(lane);
       if (met[lane]) ray.t_max = hits->t[lane];
@@ -296,6 +298,10 @@ class PathLanes {
   [[gnu::noinline]] void Fade(const RayLanes& shadow, const Vec3Lanes& wi, MaskLanes mask,
                               RgbLanes* contribution) const;
 
+  /// The lanes whose vertices are at surfaces that are borders of media.
+  MaskLanes AtBorder() const {
+    return (surface_.material >= scene_.media().first_border()) & ~in_medium_;
+  }
   MediumId MediumTowards(int lane, Vec3f w) const {
     if (in_medium_[lane]) return medium_[lane];
     return scene_.media().Entered(surface_.material[lane], surface_.ng.Get(lane), w, medium_[lane]);
@@ -350,7 +356,7 @@ class PathLanes {
     if (HasAlpha()) SetRayIds(&ray_, u, false, going);
     previous_ = receiver_;
     if (HasMedia())
-      ForEachLane(going,
+      ForEachLane(going & AtBorder(),
                   [&](int lane) { medium_[lane] = MediumTowards(lane, ray_.direction.Get(lane)); });
     return going & SidesAgree(ray_.direction, wi.z);
   }

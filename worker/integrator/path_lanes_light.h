@@ -103,6 +103,7 @@ inline void PathLanes<Sampler, kHas>::AddDirectLight(const LightSampleLanes& sam
 template <typename Sampler, uint32_t kHas>
 void PathLanes<Sampler, kHas>::Fade(const RayLanes& shadow, const Vec3Lanes& wi, MaskLanes mask,
                                     RgbLanes* contribution) const {
+  if (!scene_.media().borders()) mask &= (medium_ != kNoMedium) | AtBorder();
   ForEachLane(mask, [&](int lane) {
     const MediumId medium = MediumTowards(lane, wi.Get(lane));
     if (scene_.media().IsOutside(medium)) return;

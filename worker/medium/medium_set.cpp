@@ -96,17 +96,13 @@ absl::Status MediumSet::SetMedia(const SceneDescription& scene) {
     media_.push_back(*medium);
     phases_.push_back(PhaseFunction{description.g});
     all_clear &= IsBlack(medium->extinction);
+    scatters_ |= !IsBlack(medium->scattering);
   }
   if (all_clear) {
     media_.clear();
     phases_.clear();
   }
   return absl::OkStatus();
-}
-
-bool MediumSet::scatters() const {
-  return std::any_of(media_.begin(), media_.end(),
-                     [](const Medium& medium) { return !IsBlack(medium.scattering); });
 }
 
 absl::Status MediumSet::SetBorders(SceneDescription* scene) {
@@ -116,6 +112,7 @@ absl::Status MediumSet::SetBorders(SceneDescription* scene) {
   if (!exists(scene->camera.medium))
     return absl::InvalidArgumentError("the camera stands in a medium that does not exist");
   border_of_.resize(scene->materials.size());
+  first_border_ = static_cast<MaterialId>(scene->materials.size());
   std::map<std::pair<MaterialId, MediumBorder>, MaterialId> known;
   absl::Status status;
   ForEachShape(scene, [&](ShapeDescription& shape) {

@@ -44,6 +44,8 @@ class MediumSet {
   MediumId camera_medium() const { return camera_medium_; }
   /// Borders that are no surfaces; null if there are none, and rays in no medium stay so.
   const Geometry* borders() const { return borders_.get(); }
+  /// Surfaces are borders if their material is this or a later one.
+  MaterialId first_border() const { return first_border_; }
 
   /// The medium of a path that is in `medium`, after it left a point of a surface of `material`
   /// whose outer normal is `ng` in direction `w`.
@@ -58,7 +60,7 @@ class MediumSet {
     const Medium& m = media_[static_cast<size_t>(medium)];
     return {Average(m.scattering), Average(m.flight)};
   }
-  bool scatters() const;
+  bool scatters() const { return scatters_; }
   const Bsdf& phase(MediumId medium) const { return phases_[static_cast<size_t>(medium)]; }
 
   /// Follows `ray`, whose direction is of unit length, from `medium` to the first scattering before
@@ -90,8 +92,10 @@ class MediumSet {
   std::vector<Medium> media_;
   std::vector<Bsdf> phases_;                            ///< PhaseFunctions, of each medium.
   std::vector<std::optional<MediumBorder>> border_of_;  ///< Each material.
+  MaterialId first_border_ = 0;
   std::unique_ptr<Geometry> borders_;
   MediumId camera_medium_ = kNoMedium;
+  bool scatters_ = false;  ///< Any of the media does.
   LampPlaces lamps_;
 };
 

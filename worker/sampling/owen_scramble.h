@@ -1,5 +1,7 @@
 #pragma once
 
+#include <immintrin.h>
+
 #include <cstdint>
 
 // Pieces of scrambled Sobol' points (PBRT 8.7). Fractions are 32-bit integers times 2^-32;
@@ -34,6 +36,17 @@ constexpr Word ReverseBits(Word v) {
   v = ((v & 0x0f0f0f0fu) << 4) | ((v >> 4) & 0x0f0f0f0fu);
   v = ((v & 0x33333333u) << 2) | ((v >> 2) & 0x33333333u);
   return ((v & 0x55555555u) << 1) | ((v >> 1) & 0x55555555u);
+}
+
+/// By two tables of half bytes in the place of six shifts.
+inline Words8 ReverseBits(Words8 v) {
+  const __m256i bytes = reinterpret_cast<__m256i>(ReverseBytes(v));
+  const __m256i half = _mm256_set1_epi8(0x0f);
+  const __m256i reversed = _mm256_broadcastsi128_si256(_mm_setr_epi8(
+      0x0, 0x8, 0x4, 0xc, 0x2, 0xa, 0x6, 0xe, 0x1, 0x9, 0x5, 0xd, 0x3, 0xb, 0x7, 0xf));
+  const __m256i low = _mm256_shuffle_epi8(_mm256_slli_epi16(reversed, 4), bytes & half);
+  const __m256i high = _mm256_shuffle_epi8(reversed, _mm256_srli_epi16(bytes, 4) & half);
+  return reinterpret_cast<Words8>(low | high);
 }
 
 /// Nested uniform scramble of a reversed fraction: a bijection whose bit k depends on the bits up
