@@ -161,7 +161,9 @@ TEST(Textures, EightAtOnceAreWhatEachIs) {
       uv.y[lane] = i % 7 == 0 ? 0.25f * static_cast<float>(lane) : 4 * random.Float() - 1.5f;
     }
     const Vec3Lanes p = {uv.y, uv.x, uv.x + uv.y};
-    const RgbLanes found = set->Finish(set->Begin(id, uv, mask), p);
+    TextureSet::BegunLanes begun;
+    set->Begin(id, uv, mask, &begun);
+    const RgbLanes found = set->Finish(begun, p);
     ForEachLane(mask, [&](int lane) {
       const Vec2f at = {uv.x[lane], uv.y[lane]};
       EXPECT_EQ(found.Get(lane), set->Eval(static_cast<TextureId>(id[lane]), at, p.Get(lane)))

@@ -73,8 +73,8 @@ TEST(LightLanes, SampleWhatEachSamples) {
     const Receivers receivers(random);
     IntLanes light = {};
     for (int lane = 0; lane < kLanes; ++lane) light[lane] = (i * kLanes + lane) % 50;
-    const LightSampleLanes samples =
-        lights.lights.Sample(light, receivers.all.p, receivers.u, SameInt(-1));
+    LightSampleLanes samples;
+    lights.lights.Sample(light, receivers.all.p, receivers.u, SameInt(-1), &samples);
     for (int lane = 0; lane < kLanes; ++lane) {
       const Vec3f from = receivers.one[lane].p;
       const auto id = static_cast<uint32_t>(light[lane]);

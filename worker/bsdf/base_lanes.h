@@ -38,7 +38,7 @@ inline BaseLanes FindBases(const MaterialSet& materials, const TextureSet& textu
   const float* texture_row = &rows->alpha_x;
   const IntLanes texture = reinterpret_cast<IntLanes>(
       GatherRows(texture_row, surfaces.material * kStride, textured->lanes).v[3]);
-  *textured = textures.Begin(texture, surfaces.uv, textured->lanes);
+  textures.Begin(texture, surfaces.uv, textured->lanes, textured);
   return lanes;
 }
 

@@ -68,25 +68,22 @@ class CoatedDiffuseLanes {
 
   /// `base_wi` is a direction with density cosine / pi about the normal, made of `u`.
   BsdfSampleLanes Sample(FloatLanes u_lobe, Vec2Lanes u, Vec3Lanes base_wi) const {
-    BsdfSampleLanes sample;
-    const MaskLanes border = u_lobe < border_;
-    sample.delta = border & smooth_;
-    sample.wi = base_wi;
+    const MaskLanes border = u_lobe < border_, delta = border & smooth_;
+    Vec3Lanes wi = base_wi;
     if (Any(border)) {
-      const Vec3Lanes mirrored = {-wo_.x, -wo_.y, wo_.z};
-      Vec3Lanes reflected = mirrored;
+      Vec3Lanes reflected = {-wo_.x, -wo_.y, wo_.z};
       if (any_rough_)
-        reflected = Select(smooth_, mirrored, Reflect(wo_, ggx_.SampleVisibleNormal(wo_, u)));
-      sample.wi = Select(border, reflected, base_wi);
+        reflected = Select(smooth_, reflected, Reflect(wo_, ggx_.SampleVisibleNormal(wo_, u)));
+      wi = Select(border, reflected, base_wi);
     }
-    const BsdfValueLanes value = Scatter(sample.wi);
+    const BsdfValueLanes value = Scatter(wi);
     const FloatLanes mirror_weight = o_.reflectance / border_;
-    sample.pdf = sample.delta ? border_ : value.pdf;
-    sample.weight = Select(sample.delta, {mirror_weight, mirror_weight, mirror_weight},
-                           value.f * (1 / value.pdf));
-    sample.valid = (side_ != 0) & (sample.wi.z > 0) & (sample.pdf > 0);
-    sample.wi.z = CopySign(sample.wi.z, side_);
-    return sample;
+    const FloatLanes pdf = delta ? border_ : value.pdf;
+    const RgbLanes weight =
+        Select(delta, {mirror_weight, mirror_weight, mirror_weight}, value.f * (1 / value.pdf));
+    const MaskLanes valid = (side_ != 0) & (wi.z > 0) & (pdf > 0);
+    wi.z = CopySign(wi.z, side_);
+    return {wi, weight, pdf, delta, valid};
   }
 
  private:
@@ -99,9 +96,11 @@ class CoatedDiffuseLanes {
   };
   Direction Enter(FloatLanes cos_theta) const {
     Direction direction;
-    if (any_smooth_ || !clear_) {
+    if (any_smooth_) {
       const DielectricFresnelOf<FloatLanes> fresnel = FresnelDielectric(cos_theta, eta_);
       direction = {fresnel.reflectance, fresnel.cos_refracted};
+    } else if (!clear_) {
+      direction.cos_refracted = CosRefracted(cos_theta, eta_);
     }
     if (any_rough_)
       direction.reflectance = smooth_ ? direction.reflectance : RoughReflectance(cos_theta);

@@ -16,19 +16,26 @@ struct DielectricFresnelOf {
 };
 using DielectricFresnel = DielectricFresnelOf<float>;
 
+/// Its cos_refracted alone.
+template <typename Float>
+Float CosRefracted(Float cos_incident, Float eta) {
+  const Float sin2_incident = Max(Float{}, (1 - cos_incident) * (1 + cos_incident));
+  const Float cos_refracted = Sqrt(Max(Float{}, 1 - sin2_incident / (eta * eta)));
+  return eta == 1 ? cos_incident : cos_refracted;
+}
+
 /// `cos_incident` in [0, 1]; `eta` is the index behind the border over that before it.
 template <typename Float>
 DielectricFresnelOf<Float> FresnelDielectric(Float cos_incident, Float eta) {
-  const Float sin2_incident = Max(Float{}, (1 - cos_incident) * (1 + cos_incident));
-  const Float sin2_refracted = sin2_incident / (eta * eta);
-  const Float cos_refracted = Sqrt(Max(Float{}, 1 - sin2_refracted));
+  const Float cos_refracted = CosRefracted(cos_incident, eta);
   const Float parallel =
       (eta * cos_incident - cos_refracted) / (eta * cos_incident + cos_refracted);
   const Float perpendicular =
       (cos_incident - eta * cos_refracted) / (cos_incident + eta * cos_refracted);
   const Float reflectance = 0.5f * (parallel * parallel + perpendicular * perpendicular);
-  const Float partly = sin2_refracted >= 1 ? Float{} + 1 : reflectance;
-  return {eta == 1 ? Float{} : partly, eta == 1 ? cos_incident : cos_refracted};
+  // Beyond the critical angle both quotients are 1. At grazing angles they may be 0 / 0.
+  const Float partly = eta * cos_incident == 0 ? Float{} + 1 : reflectance;
+  return {eta == 1 ? Float{} : partly, cos_refracted};
 }
 
 /// Reflectance of a metal of index eta + i k (both relative to the medium before it), one channel

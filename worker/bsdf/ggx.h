@@ -30,9 +30,10 @@ struct GgxOf {
 
   /// Density of microfacet normals (PBRT 9.6.1); unit m.
   Float D(Vec3 m) const {
-    const Float x = m.x / alpha_x, y = m.y / alpha_y;
-    const Float e = x * x + y * y + m.z * m.z;
-    return 1 / (kPi * alpha_x * alpha_y * e * e);
+    // Over and below the fraction times alpha_x^2 alpha_y^2, so that there is one division.
+    const Float both = alpha_x * alpha_y, x = alpha_y * m.x, y = alpha_x * m.y, z = both * m.z;
+    const Float e = x * x + y * y + z * z;
+    return both * both * both / (kPi * e * e);
   }
 
   /// |v.z| (1 + 2 Lambda(v)).

@@ -45,11 +45,12 @@ struct ImageTexels {
   static ImageTexels AlphaFrom(const ImageFile& file);
 
   size_t Offset(int x, int y) const { return (static_cast<size_t>(y) * width + x) * channels; }
-  /// Asks memory for what starts at an offset. By hand: gcc 12 takes a function that does no more
-  /// than __builtin_prefetch for one without effect, and leaves it out.
-  void Fetch(size_t i) const {
-    const void* at = codes.empty() ? static_cast<const void*>(&values[i]) : &codes[i];
-    asm volatile("prefetcht0 (%0)" : : "r"(at));
+  /// Of the whole image, and of the numbers of a texel.
+  const void* data() const {
+    return codes.empty() ? static_cast<const void*>(values.data()) : codes.data();
+  }
+  size_t TexelBytes() const {
+    return static_cast<size_t>(channels) * (codes.empty() ? sizeof(float) : 1);
   }
   Rgb At(int x, int y, const DecodeTable& table) const { return At(Offset(x, y), table); }
   Rgb At(size_t i, const DecodeTable& table) const {

@@ -28,7 +28,8 @@ class PlainImages {
         texture.scalar || texture.channel || texture.second_uv || mapping.s_v != 0 ||
         mapping.t_u != 0 || int64_t{texels.width} * texels.height > kMostTexels)
       return;
-    images_.back() = {&texels, &table};
+    images_.back() = {&texels, &table, static_cast<const char*>(texels.data()), texels.TexelBytes(),
+                      texels.TexelBytes() * texels.width};
     const int32_t wraps = (texture.wrap == ImageWrap::kRepeat ? kRepeatS : 0) |
                           (wrap_t == ImageWrap::kRepeat ? kRepeatT : 0);
     rows_.back() = {{mapping.su, mapping.sv, mapping.du, mapping.dv},
@@ -44,7 +45,7 @@ class PlainImages {
   };
   /// Begins to look up textures `id` in the lanes of `mask` where that is done here: the others are
   /// of other textures, or the four pixels around the point lie across an edge.
-  Begun Begin(IntLanes id, Vec2Lanes uv, MaskLanes mask) const;
+  void Begin(IntLanes id, Vec2Lanes uv, MaskLanes mask, Begun* begun) const;
 
   RgbLanes Finish(const Begun& begun) const;
 
@@ -54,6 +55,9 @@ class PlainImages {
   struct Image {
     const ImageTexels* texels = nullptr;
     const DecodeTable* table = nullptr;
+    // Where the texels lie in memory.
+    const char* data = nullptr;
+    size_t texel_bytes = 0, row_bytes = 0;
   };
   /// In fours for GatherRows; a width of 0 for other textures.
   struct Row {

@@ -380,8 +380,10 @@ absl::StatusOr<std::unique_ptr<TextureSet>> TextureSet::Load(
 
 Rgb TextureSet::Eval(TextureId id, SurfaceUv uv, Vec3f p) const { return state_->Eval(id, uv, p); }
 
-TextureSet::BegunLanes TextureSet::Begin(IntLanes id, Vec2Lanes uv, MaskLanes mask) const {
-  return {mask, uv, state_->plain.Begin(id, uv, mask & (id != kNoTexture))};
+void TextureSet::Begin(IntLanes id, Vec2Lanes uv, MaskLanes mask, BegunLanes* begun) const {
+  begun->lanes = mask;
+  begun->uv = uv;
+  state_->plain.Begin(id, uv, mask & (id != kNoTexture), &begun->plain);
 }
 
 RgbLanes TextureSet::Finish(const BegunLanes& begun, Vec3Lanes p) const {

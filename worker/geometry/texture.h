@@ -34,7 +34,7 @@ class TextureSet {
     Vec2Lanes uv;
     PlainImages::Begun plain;
   };
-  BegunLanes Begin(IntLanes id, Vec2Lanes uv, MaskLanes mask) const;
+  void Begin(IntLanes id, Vec2Lanes uv, MaskLanes mask, BegunLanes* begun) const;
   /// What Eval gives in each lane, for the points `p`.
   RgbLanes Finish(const BegunLanes& begun, Vec3Lanes p) const;
   bool NeedsFirstUvOnly(TextureId id) const;

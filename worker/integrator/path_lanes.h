@@ -131,33 +131,31 @@ class PathLanes {
 
   /// The next vertex of the paths in `alive`; returns those that end there.
   MaskLanes Step(MaskLanes alive) {
-    HitLanes hits;
     rays_ -= alive;  // Masks are -1.
-    const MaskLanes met = Intersect(scene_.geometry(), ray_, alive, &hits);
+    const MaskLanes met = Intersect(scene_.geometry(), ray_, alive, &hits_);
     MaskLanes arrived = alive;
-    if (HasMedia()) arrived = Fly(alive, met, &hits);
+    if (HasMedia()) arrived = Fly(alive, met);
     const MaskLanes found = arrived & (met | InMedium(arrived));
     if (HasEnvironments()) ForEachLane(arrived & ~found, [&](int lane) { AddEnvironment(lane); });
     if (!Any(found)) return alive;
     const MaskLanes at_surface = found & ~InMedium(found);
-    FindSurfaces(scene_.geometry(), ray_, hits, at_surface, HasBaseTextures(), &surface_);
+    FindSurfaces(scene_.geometry(), ray_, hits_, at_surface, HasBaseTextures(), &surface_);
     ForEachLane(InMedium(found), [&](int lane) {
-      surface_.Set(lane, path_detail::PointInMedium(ray_.Get(lane), hits.t[lane]));
+      surface_.Set(lane, path_detail::PointInMedium(ray_.Get(lane), hits_.t[lane]));
     });
-    ForEachLane(at_surface & (surface_.light >= 0), [&](int lane) { AddEmission(lane, hits); });
+    ForEachLane(at_surface & (surface_.light >= 0), [&](int lane) { AddEmission(lane); });
     const MaskLanes last = depth_ == settings_.max_depth;
     MaskLanes going = found & ~(last & (depth_ > 0));
     if (!Any(going)) return alive;
-    FindBsdfs(hits, going);
+    FindBsdfs(going);
     // The choice of a light takes half of it, roulette the other.
     u_select_ = Get2D(kPairSelect, going);
-    LightSampleLanes light;
-    const MaskLanes lit = SampleLights(going & ~last, &light);
+    const MaskLanes lit = SampleLights(going & ~last);
     MakeBases(going);
     going &= ~last;
     if (!Any(going)) return alive;
     StartGuides(going);
-    AddDirectLight(light, lit);
+    AddDirectLight(lit);
     going = Scatter(going);
     going = SurviveRoulette(going);
     depth_ = going ? depth_ + 1 : depth_;
@@ -165,8 +163,8 @@ class PathLanes {
   }
 
   /// Sends rays through the media before what they have met; returns the lanes that arrive with
-  /// anything, at their hit or at a point of a medium, of which hits has the distance then.
-  [[gnu::noinline]] MaskLanes Fly(MaskLanes alive, MaskLanes met, HitLanes* hits) {
+  /// anything, at their hit or at a point of a medium, of which hits_ has the distance then.
+  [[gnu::noinline]] MaskLanes Fly(MaskLanes alive, MaskLanes met) {
     const MediumSet& media = scene_.media();
     in_medium_ = MaskLanes{};
     const MaskLanes flying = media.borders() ? alive : alive & (medium_ != kNoMedium);
@@ -176,7 +174,7 @@ class PathLanes {
       u = sampler_.Get2D(depth_ + static_cast<int32_t>(kPairFirstFlight), flying);
     ForEachLane(flying, [&](int lane) {
       Ray ray = ray_.Get(lane);
-      if (met[lane]) ray.t_max = hits->t[lane];
+      if (met[lane]) ray.t_max = hits_.t[lane];
       const Flight flight = media.Fly(ray, medium_[lane], beta_.Get(lane), {u.x[lane], u.y[lane]});
       AddRadiance(lane, flight.emitted, 1);
       beta_.Set(lane, beta_.Get(lane) * flight.weight);
@@ -184,7 +182,7 @@ class PathLanes {
       if (IsBlack(beta_.Get(lane))) alive[lane] = 0;
       if (!flight.scattered) return;
       in_medium_[lane] = -1;
-      hits->t[lane] = flight.t;
+      hits_.t[lane] = flight.t;
     });
     return alive;
   }
@@ -199,10 +197,10 @@ class PathLanes {
   }
 
   void AddEnvironment(int lane);
-  [[gnu::noinline]] void AddEmission(int lane, const HitLanes& hits);
+  [[gnu::noinline]] void AddEmission(int lane);
 
   /// All but the reflectances of bases, which may still be on their way from memory.
-  void FindBsdfs(const HitLanes& hits, MaskLanes mask) {
+  void FindBsdfs(MaskLanes mask) {
     const Vec3Lanes wo = -ray_.direction;
     const MaskLanes seen = Dot(surface_.ns, wo) * Dot(surface_.ng, wo) > 0;
     frame_ = FrameLanes::FromNormal(Select(seen, surface_.ns, surface_.ng));
@@ -215,7 +213,7 @@ class PathLanes {
     receiver_.one_sided = mask;
     receiver_.in_medium = InMedium(mask);
     ForEachLane(OtherMaterials(mask), [&](int lane) {
-      bsdf_[lane] = &BsdfOf(lane, hits, wo.Get(lane));
+      bsdf_[lane] = &BsdfOf(lane, wo.Get(lane));
       if (Transmits(*bsdf_[lane])) receiver_.one_sided[lane] = 0;
     });
     wo_z_ = Dot(wo, frame_.z);
@@ -242,14 +240,14 @@ class PathLanes {
   }
 
   /// The BSDF of the lane's vertex; turns its frame where the material is not isotropic.
-  [[gnu::noinline]] const Bsdf& BsdfOf(int lane, const HitLanes& hits, Vec3f wo) {
+  [[gnu::noinline]] const Bsdf& BsdfOf(int lane, Vec3f wo) {
     if (HasMedia() && in_medium_[lane]) return scene_.media().phase(medium_[lane]);
     const MaterialSet& materials = scene_.materials();
     const MaterialId id = surface_.material[lane];
     const Bsdf* constant = materials.Constant(id);
     const bool plain = materials.HasPlainFrame(id);
     if (constant && plain) return *constant;
-    const SurfacePoint point = scene_.geometry().Surface(ray_.Get(lane), hits.Get(lane));
+    const SurfacePoint point = scene_.geometry().Surface(ray_.Get(lane), hits_.Get(lane));
     const auto u_mix = [&] {
       MaskLanes only = {};
       only[lane] = -1;
@@ -257,7 +255,7 @@ class PathLanes {
     };
     if (materials.HasDetail(id)) {
       const SurfaceDerivatives derivatives =
-          scene_.geometry().Derivatives(ray_.Get(lane), hits.Get(lane));
+          scene_.geometry().Derivatives(ray_.Get(lane), hits_.Get(lane));
       const SurfacePoint turned = materials.WithDetail(point, derivatives, wo, u_mix());
       frame_.Set(lane, path_detail::ShadingFrame(turned, wo, false));
     } else if (!plain) {
@@ -292,9 +290,9 @@ class PathLanes {
 
   MaskLanes SidesAgree(Vec3Lanes w, FloatLanes w_z) const { return Dot(surface_.ng, w) * w_z > 0; }
 
-  /// Samples a light for each lane of `mask`; returns those that have found one.
-  MaskLanes SampleLights(MaskLanes mask, LightSampleLanes* sample);
-  void AddDirectLight(const LightSampleLanes& sample, MaskLanes mask);
+  /// Samples a light for each lane of `mask`, as light_ says; returns those that have found one.
+  MaskLanes SampleLights(MaskLanes mask);
+  void AddDirectLight(MaskLanes mask);
   [[gnu::noinline]] void Fade(const RayLanes& shadow, const Vec3Lanes& wi, MaskLanes mask,
                               RgbLanes* contribution) const;
 
@@ -402,11 +400,13 @@ class PathLanes {
   std::array<PathSample, kLanes> first_hit_;
 
   // Of the vertex.
+  HitLanes hits_;
   SurfaceLanes surface_;
   MaskLanes in_medium_ = {};  ///< Of surface_ the points are known, and ng is the way back.
   FrameLanes frame_;
   FloatLanes wo_z_ = {};
   LightReceiverLanes receiver_;
+  LightSampleLanes light_;
   // How it scatters: as Lambert says, by reflectance_; by that under coat_; or by bsdf_.
   MaskLanes lambertian_ = {}, coated_ = {};
   RgbLanes reflectance_;

@@ -19,23 +19,23 @@ inline void PathLanes<Sampler, kHas>::AddEnvironment(int lane) {
 }
 
 template <typename Sampler, uint32_t kHas>
-void PathLanes<Sampler, kHas>::AddEmission(int lane, const HitLanes& hits) {
+void PathLanes<Sampler, kHas>::AddEmission(int lane) {
   const LightSet& lights = scene_.lights();
   const uint32_t surface = static_cast<uint32_t>(surface_.light[lane]);
   const Vec3f direction = ray_.direction.Get(lane), ng = surface_.ng.Get(lane);
   const Rgb radiance = lights.SurfaceLe(surface, ng, -direction, [&] {
-    return scene_.geometry().Surface(ray_.Get(lane), hits.Get(lane));
+    return scene_.geometry().Surface(ray_.Get(lane), hits_.Get(lane));
   });
   if (IsBlack(radiance)) return;
   const float weight = EmissionWeight(lane, [&] {
     return lights.SurfacePdf(surface, previous_.Get(lane),
-                             {surface_.p.Get(lane), ng, direction, hits.t[lane]});
+                             {surface_.p.Get(lane), ng, direction, hits_.t[lane]});
   });
   AddRadiance(lane, radiance, weight);
 }
 
 template <typename Sampler, uint32_t kHas>
-inline MaskLanes PathLanes<Sampler, kHas>::SampleLights(MaskLanes mask, LightSampleLanes* sample) {
+inline MaskLanes PathLanes<Sampler, kHas>::SampleLights(MaskLanes mask) {
   const LightSet& lights = scene_.lights();
   if (lights.empty()) return MaskLanes{};
   ForEachLane(OtherMaterials(mask), [&](int lane) {
@@ -52,15 +52,15 @@ inline MaskLanes PathLanes<Sampler, kHas>::SampleLights(MaskLanes mask, LightSam
     u.x = choice.u;
     mask &= probability > 0;
   }
-  *sample = lights.Sample(light, surface_.p, u, mask);
-  sample->pdf = sample->pdf * probability;
-  return mask & sample->valid;
+  lights.Sample(light, surface_.p, u, mask, &light_);
+  light_.pdf = light_.pdf * probability;
+  return mask & light_.valid;
 }
 
 template <typename Sampler, uint32_t kHas>
-inline void PathLanes<Sampler, kHas>::AddDirectLight(const LightSampleLanes& sample,
-                                                     MaskLanes mask) {
+inline void PathLanes<Sampler, kHas>::AddDirectLight(MaskLanes mask) {
   if (!Any(mask)) return;
+  const LightSampleLanes& sample = light_;
   const FloatLanes wi_z = Dot(sample.wi, frame_.z);
   mask &= SidesAgree(sample.wi, wi_z);
   FloatLanes bsdf_pdf = wo_z_ * wi_z > 0 ? kInvPi * Abs(wi_z) : FloatLanes{};

@@ -67,17 +67,18 @@ template <typename Floats>
 Floats Abs(Floats v) {
   return Max(v, -v);
 }
-/// How much of a Lambertian's cosine there is on average where cosines are those within `sine` of
-/// `cosine`, which is the size of what is looked at; 0 where all are below `least`.
-/// `inverse_sine` is 1 / sine.
+/// How much of a Lambertian's cosine there is on average over what fills a sphere of `radius` at
+/// `distance`, times the distance; `along` is that of the sphere's centre. 0 where all cosines are
+/// below `least`. `steep` is radius^2 / distance^2.
 template <typename Floats>
-Floats Facing(Floats cosine, Floats sine, Floats inverse_sine, Floats least) {
-  // At least cos(max(0, acos(cosine) - asin(sine))), the largest that there is.
-  const Floats largest = cosine + sine * (1 + Max(Floats{}, -cosine) * sine);
-  const Floats above = cosine + sine;
-  // By Min even where `sine` is 0 and its inverse is not finite.
-  const Floats mean = cosine < sine ? Min(sine, 0.25f * above * above * inverse_sine) : cosine;
-  return largest < least ? Floats{} : Max(mean, Floats{} + LightGroup::kSlack);
+Floats Facing(Floats along, Floats radius, Floats inverse_radius, Floats distance, Floats steep,
+              Floats least) {
+  const Floats above = along + radius;
+  // At least distance cos(max(0, acos(along / distance) - asin(radius / distance))).
+  const Floats largest = above + Max(Floats{}, -along) * steep;
+  // By Min even where the radius is 0 and its inverse is not finite.
+  const Floats mean = along < radius ? Min(radius, 0.25f * above * above * inverse_radius) : along;
+  return largest < least * distance ? Floats{} : Max(mean, LightGroup::kSlack * distance);
 }
 
 /// Points of LightReceivers, each beside the lights it is weighed for.
@@ -96,30 +97,31 @@ template <typename Floats>
   const Floats x = point.x - group.x, y = point.y - group.y, z = point.z - group.z;
   const Floats distance2 =
       Min(Max(x * x + y * y + z * z, all(kLeastDistance2)), all(kMostDistance2));
-  const Floats outside_inverse2 = 1 / distance2, inverse = Sqrt(outside_inverse2);
-  const Floats inverse2 = Min(outside_inverse2, group.inverse_radius * group.inverse_radius);
-  const Floats sine = group.radius * inverse;  // Above 1 within the sphere.
-  const Floats inverse_sine = group.inverse_radius * (distance2 * inverse);
+  const Floats inverse2 = 1 / distance2, distance = Sqrt(distance2);
+  const Floats radius2 = group.radius * group.radius, steep = radius2 * inverse2;
 
-  Floats cosine = (group.axis_x * x + group.axis_y * y + group.axis_z * z) * inverse;
-  cosine = group.least_facing > LightGroup::kTwoSided ? cosine : Abs(cosine);
-  Floats off_cone = cosine;
+  Floats along = group.axis_x * x + group.axis_y * y + group.axis_z * z;
+  along = group.least_facing > LightGroup::kTwoSided ? along : Abs(along);
   if (has_cones) {
-    const Floats sine_off_axis = Sqrt(Max(Floats{}, 1 - cosine * cosine));
-    off_cone = cosine > group.cos_spread
-                   ? all(1)
-                   : cosine * group.cos_spread + sine_off_axis * group.sin_spread;
+    const Floats off_axis = Sqrt(Max(Floats{}, distance2 - along * along));
+    along = along > group.cos_spread * distance
+                ? distance
+                : along * group.cos_spread + off_axis * group.sin_spread;
   }
-  const Floats facing = Facing(off_cone, sine, inverse_sine, group.least_facing);
+  const Floats facing =
+      Facing(along, group.radius, group.inverse_radius, distance, steep, group.least_facing);
 
-  Floats incident = -(point.n_x * x + point.n_y * y + point.n_z * z) * inverse;
+  Floats incident = -(point.n_x * x + point.n_y * y + point.n_z * z);
   incident = point.one_sided < 0 ? incident : Abs(incident);
-  incident = point.one_sided == 0 ? all(1) : incident;
-  const Floats lit = Facing(incident, sine, inverse_sine, all(-LightGroup::kSlack));
-  const Floats outside = group.intensity * facing * lit * inverse2;
-  const Floats weight = sine < 1 ? outside : group.intensity * inverse2;
-  const Floats seen = sine < 1 ? Min(facing, lit) : all(1);
-  return seen > 0 && group.intensity > 0 ? Max(weight, all(kLeastWeight)) : Floats{};
+  incident = point.one_sided == 0 ? distance : incident;
+  const Floats lit = Facing(incident, group.radius, group.inverse_radius, distance, steep,
+                            all(-LightGroup::kSlack));
+  const Floats outside = group.intensity * (facing * inverse2) * (lit * inverse2);
+  const auto within = radius2 >= distance2;
+  const Floats weight =
+      within ? group.intensity * (group.inverse_radius * group.inverse_radius) : outside;
+  const auto seen = within | (Min(facing, lit) > 0);
+  return seen & (group.intensity > 0) ? Max(weight, all(kLeastWeight)) : Floats{};
 }
 
 }  // namespace light_group_detail

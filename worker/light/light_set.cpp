@@ -214,9 +214,12 @@ STRATA_CPU_CLONES LightSet::ChoiceLanes LightSet::Select(const LightReceiverLane
     } else {
       leaves = tree_.Select(receivers, rest, in_tree);
     }
-    ForEachLane(in_tree, [&](int lane) {
-      choices.light[lane] = static_cast<int32_t>(tree_lights_[leaves.index[lane]]);
-    });
+    choices.light = leaves.index;
+    if (tree_lights_.size() < lights_.size()) {
+      ForEachLane(in_tree, [&](int lane) {
+        choices.light[lane] = static_cast<int32_t>(tree_lights_[leaves.index[lane]]);
+      });
+    }
     choices.probability = leaves.probability * static_cast<float>(groups_[0].probability);
     choices.u = Min(leaves.u, SameFloat(kBelowOne));
   }

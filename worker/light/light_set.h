@@ -75,7 +75,8 @@ class LightSet {
   float SurfacePdf(uint32_t surface, const LightReceiver& receiver, const EmissionHit& hit) const;
   std::optional<LightSample> Sample(uint32_t light, Vec3f from, Vec2f u) const;
   /// Eight at once, for the lanes in `mask`.
-  LightSampleLanes Sample(IntLanes light, Vec3Lanes from, Vec2Lanes u, MaskLanes mask) const;
+  void Sample(IntLanes light, Vec3Lanes from, Vec2Lanes u, MaskLanes mask,
+              LightSampleLanes* samples) const;
 
   /// Indices of the lights that a ray which leaves the scene sees.
   const std::vector<uint32_t>& environments() const { return environments_; }
@@ -211,16 +212,15 @@ inline float LightSet::SurfacePdf(uint32_t surface, const LightReceiver& receive
   return probability * PdfLi(*std::get_if<TexturedLight>(&l), receiver.p, hit);
 }
 
-inline LightSampleLanes LightSet::Sample(IntLanes light, Vec3Lanes from, Vec2Lanes u,
-                                         MaskLanes mask) const {
-  LightSampleLanes samples;
-  const MaskLanes flat = flat_.Sample(light, from, u, mask, &samples);
+inline void LightSet::Sample(IntLanes light, Vec3Lanes from, Vec2Lanes u, MaskLanes mask,
+                             LightSampleLanes* samples) const {
+  samples->delta = samples->infinite = samples->valid = MaskLanes{};
+  const MaskLanes flat = flat_.Sample(light, from, u, mask, samples);
   ForEachLane(mask & ~flat, [&](int lane) {
     const std::optional<LightSample> sample =
         Sample(static_cast<uint32_t>(light[lane]), from.Get(lane), {u.x[lane], u.y[lane]});
-    if (sample) samples.Set(lane, *sample);
+    if (sample) samples->Set(lane, *sample);
   });
-  return samples;
 }
 
 inline Rgb LightSet::EnvironmentLe(uint32_t light, Vec3f from, Vec3f direction) const {

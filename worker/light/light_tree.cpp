@@ -18,63 +18,98 @@ Real Stretch(Real u) {
   return (u - kEvenChoices) * (1 / (1 - kEvenChoices));
 }
 
-/// One of four places, by their weights.
-template <typename Real>
+/// One of some places, by their weights; Floats is one number or eight side by side.
+template <typename Floats>
 struct Picked {
-  Real place, weight, sum;  ///< The sum of all weights.
-  Real u;                   ///< What is left of the random number, in [0, 1].
+  Floats place = {}, weight = {};  ///< The weight is 0 where none is positive.
+  Floats start = {}, total = {};   ///< The sum of the weights before it, and of all.
 };
-/// By `u` in [0, 1); the weight is 0 where none is positive. Real is one number or some side by
-/// side. Without branches, which no one could predict.
-template <typename Real>
-Picked<Real> Pick(Real u, const Real (&weights)[4]) {
-  Picked<Real> picked = {};
-  picked.sum = weights[0] + weights[1] + weights[2] + weights[3];
-  const Real x = u * picked.sum;
-  Real start = {}, next = {};
-  for (int i = 0; i < 4; ++i) {
-    // The last that starts below x: roundings at the end fall to it.
-    const auto reached = (x >= next) & (weights[i] > 0);
-    picked.place = reached ? Real{} + i : picked.place;
+/// That in which `at(total)`, in [0, total], falls. Without branches, which no one could predict.
+/// Sums round to float: what falls to a place is off by less than 2^-22 of all.
+template <typename Floats, typename At>
+Picked<Floats> Pick(const Floats* weights, int places, At at) {
+  Picked<Floats> picked;
+  for (int i = 0; i < places; ++i) picked.total += weights[i];
+  const Floats x = at(picked.total);
+  Floats start = {};
+  for (int i = 0; i < places; ++i) {
+    // The last that starts at x or before: roundings at the end fall to it.
+    const auto reached = (x >= start) & (weights[i] > 0);
+    picked.place = reached ? Floats{} + static_cast<float>(i) : picked.place;
     picked.weight = reached ? weights[i] : picked.weight;
-    start = reached ? next : start;
-    next += weights[i];
+    picked.start = reached ? start : picked.start;
+    start += weights[i];
   }
-  const Real rest = (x - start) / picked.weight;
-  picked.u = picked.weight > 0 ? (rest < 1 ? rest : Real{} + 1) : u;
   return picked;
 }
 
-Picked<double> Pick(double u, Floats4 weights) {
-  return Pick<double>(u, {weights[0], weights[1], weights[2], weights[3]});
+/// What is left, in [0, 1], of the random number `u`, of which `x` is its product with the weights'
+/// sum; all of it if no weight is positive.
+template <typename Doubles>
+Doubles Rest(Doubles u, Doubles x, Doubles start, Doubles weight) {
+  const Doubles rest = (x - start) / weight;
+  const Doubles part = rest > 0 ? (rest < 1 ? rest : Doubles{} + 1) : Doubles{};
+  return weight > 0 ? part : u;
 }
 
-/// The probability of picking a place of that weight.
-float Share(double weight, double sum) {
-  return weight > 0 ? static_cast<float>(weight) / static_cast<float>(sum) : 0;
-}
-float Share(Floats4 weights, uint32_t place) {
-  return Share(weights[place], double{weights[0]} + weights[1] + weights[2] + weights[3]);
+/// A place, with which probability it is picked, and what is left of the random number.
+struct Step {
+  int place;
+  float probability;
+  double u;
+};
+/// By `u` in [0, 1).
+Step PickOne(double u, const float* weights, int places) {
+  double x = 0;
+  const auto picked = Pick<float>(weights, places, [&](float total) {
+    x = u * total;
+    return static_cast<float>(x);
+  });
+  return {static_cast<int>(picked.place), picked.weight > 0 ? picked.weight / picked.total : 0,
+          Rest<double>(u, x, picked.start, picked.weight)};
 }
 
-struct PickedLanes {
+struct StepLanes {
   IntLanes place;
   FloatLanes probability;
   DoubleLanes u;
 };
-PickedLanes Pick(const DoubleLanes& u, const std::array<FloatLanes, 4>& weights) {
-  std::array<Picked<Doubles4>, 2> picked;
-  for (int half = 0; half < 2; ++half) {
-    const auto of = [&](int i) { return ToDoubleLanes(weights[i]).half[half]; };
-    picked[half] = Pick<Doubles4>(u.half[half], {of(0), of(1), of(2), of(3)});
-  }
-  const auto both = [&](Doubles4 Picked<Doubles4>::*member) {
-    return ToFloatLanes({{picked[0].*member, picked[1].*member}});
+StepLanes PickOne(const DoubleLanes& u, const FloatLanes* weights, int places) {
+  DoubleLanes x;
+  const auto picked = Pick<FloatLanes>(weights, places, [&](FloatLanes total) {
+    const DoubleLanes wide = ToDoubleLanes(total);
+    for (int half = 0; half < 2; ++half) x.half[half] = u.half[half] * wide.half[half];
+    return ToFloatLanes(x);
+  });
+  StepLanes step = {
+      ToInt(picked.place), picked.weight > 0 ? picked.weight / picked.total : FloatLanes{}, {}};
+  const DoubleLanes start = ToDoubleLanes(picked.start), weight = ToDoubleLanes(picked.weight);
+  for (int half = 0; half < 2; ++half)
+    step.u.half[half] =
+        Rest<Doubles4>(u.half[half], x.half[half], start.half[half], weight.half[half]);
+  return step;
+}
+
+float Sum(const float* weights, int places) {
+  float sum = 0;
+  for (int i = 0; i < places; ++i) sum += weights[i];
+  return sum;
+}
+/// The probability of picking the place.
+float Share(const float* weights, int places, uint32_t place) {
+  return weights[place] > 0 ? weights[place] / Sum(weights, places) : 0;
+}
+
+const float* Numbers(const Floats4& v) { return reinterpret_cast<const float*>(&v); }
+
+/// Of sixteen numbers those at `index`.
+IntLanes LookUp(const std::array<int32_t, LightTree::kRootPlaces>& table, IntLanes index) {
+  const auto half = [&](size_t first) {
+    const __m256i numbers = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(&table[first]));
+    return reinterpret_cast<IntLanes>(
+        _mm256_permutevar8x32_epi32(numbers, reinterpret_cast<__m256i>(index)));
   };
-  const FloatLanes weight = both(&Picked<Doubles4>::weight);
-  return {ToInt(both(&Picked<Doubles4>::place)),
-          weight > 0 ? weight / both(&Picked<Doubles4>::sum) : FloatLanes{},
-          {{picked[0].u, picked[1].u}}};
+  return index < kLanes ? half(0) : half(kLanes);
 }
 
 }  // namespace
@@ -87,20 +122,17 @@ Real LightTree::WithEvenChoices(Real tree) const {
 
 float LightTree::TreeProbability(uint32_t index, const LightReceiver& receiver) const {
   uint64_t trail = trails_[index];
-  Walk walk = {0, 1, 0, {}};
-  if (root_nodes_ > 1) {
-    walk.node = trail & 3;
-    walk.probability = Share(RootWeights(receiver), walk.node);
-    trail >>= 2;
+  uint32_t place = trail % kRootPlaces;
+  float probability = Share(WeighRoot(receiver).data(), root_places_, place);
+  const Node* node = &nodes_[place / 4];
+  place %= 4;
+  for (trail /= kRootPlaces; probability > 0 && node->group.lights[place] != 1; trail /= 4) {
+    node = &nodes_[node->child[place]];
+    place = trail % 4;
+    const Floats4 weights = Importance(node->group, receiver);
+    probability *= Share(Numbers(weights), 4, place);
   }
-  for (;; trail >>= 2) {
-    const Node& node = nodes_[walk.node];
-    const uint32_t place = trail & 3;
-    const Floats4 weights = Importance(node.group, receiver);
-    walk.probability *= Share(weights, place);
-    if (!(walk.probability > 0) || node.group.lights[place] == 1) return walk.probability;
-    walk.node = node.child[place];
-  }
+  return probability;
 }
 
 float LightTree::Probability(uint32_t index, const LightReceiver& receiver) const {
@@ -119,26 +151,20 @@ std::optional<LightTree::Choice> LightTree::ChooseEvenly(const LightReceiver& re
   return Choice{index, Probability(index, receiver), at - index};
 }
 
-Floats4 LightTree::RootWeights(const LightReceiver& receiver) const {
-  Floats4 weights = {};
-  for (uint32_t i = 0; i < root_nodes_; ++i) {
-    const Floats4 w = Importance(nodes_[i].group, receiver);
-    weights[i] = w[0] + w[1] + w[2] + w[3];
+LightTree::RootWeights LightTree::WeighRoot(const LightReceiver& receiver) const {
+  RootWeights weights;
+  for (int first = 0; first < root_places_; first += 4) {
+    const Floats4 w = Importance(nodes_[first / 4].group, receiver);
+    std::copy_n(Numbers(w), 4, &weights[first]);
   }
   return weights;
 }
 
-LightTree::Walk LightTree::Start(const LightReceiver& receiver, double u) const {
-  if (root_nodes_ == 1) return {0, 1, u, {}};
-  const auto picked = Pick(u, RootWeights(receiver));
-  return {static_cast<uint32_t>(picked.place), Share(picked.weight, picked.sum), picked.u, {}};
-}
-
-bool LightTree::Descend(Floats4 weights, Walk* walk) const {
-  const auto picked = Pick(walk->u, weights);
-  const int place = static_cast<int>(picked.place);
-  const Node& node = nodes_[walk->node];
-  *walk = {node.child[place], walk->probability * Share(picked.weight, picked.sum), picked.u, {}};
+bool LightTree::Descend(const float* weights, int places, Walk* walk) const {
+  const Step step = PickOne(walk->u, weights, places);
+  const Node& node = nodes_[walk->node + step.place / 4];
+  const int place = step.place % 4;
+  *walk = {node.child[place], walk->probability * step.probability, step.u, {}};
   const bool found = walk->probability > 0;
   if (found && node.group.lights[place] != 1) return true;
   walk->choice = found ? Choice{walk->node, WithEvenChoices(walk->probability), walk->u}
@@ -149,31 +175,13 @@ bool LightTree::Descend(Floats4 weights, Walk* walk) const {
 LightTree::Choice LightTree::Select(const LightReceiver& receiver, double u) const {
   if (lights_ == 1) return {0, 1, u};
   if (const auto choice = ChooseEvenly(receiver, &u)) return *choice;
-  Walk walk = Start(receiver, u);
-  while (Descend(Importance(nodes_[walk.node].group, receiver), &walk)) {
+  Walk walk = {0, 1, u, {}};
+  bool on = Descend(WeighRoot(receiver).data(), root_places_, &walk);
+  while (on) {
+    const Floats4 weights = Importance(nodes_[walk.node].group, receiver);
+    on = Descend(Numbers(weights), 4, &walk);
   }
   return walk.choice;
-}
-
-STRATA_CPU_CLONES LightTree::WalkLanes LightTree::Start(const PointLanes& points,
-                                                        const DoubleLanes& u) const {
-  std::array<FloatLanes, 4> weights[4];
-  std::array<FloatLanes, 4> sums = {};
-  for (uint32_t i = 0; i < root_nodes_; ++i) {
-    const LightGroup& group = nodes_[i].group;
-    for (int place = 0; place < 4; ++place)
-      weights[i][place] = group.lights[place] > 0 ? Importance(group, place, points) : FloatLanes{};
-    sums[i] = weights[i][0] + weights[i][1] + weights[i][2] + weights[i][3];
-  }
-  PickedLanes node = {{}, SameFloat(1), u};
-  if (root_nodes_ > 1) node = Pick(u, sums);
-  std::array<FloatLanes, 4> here = weights[0];
-  for (int i = 1; i < static_cast<int>(root_nodes_); ++i) {
-    for (int place = 0; place < 4; ++place)
-      here[place] = node.place == i ? weights[i][place] : here[place];
-  }
-  const PickedLanes place = Pick(node.u, here);
-  return {node.place, place.place, node.probability * place.probability, place.u};
 }
 
 STRATA_CPU_CLONES LightTree::ChoiceLanes LightTree::Select(const LightReceiverLanes& receivers,
@@ -191,20 +199,21 @@ STRATA_CPU_CLONES LightTree::ChoiceLanes LightTree::Select(const LightReceiverLa
   }
   // The root is the same for all: each of its places is weighed for all points at once.
   const PointLanes points = PointsOf(receivers);
+  std::array<FloatLanes, kRootPlaces> root;
+  for (int i = 0; i < root_places_; ++i) root[i] = Importance(nodes_[i / 4].group, i % 4, points);
   DoubleLanes stretched;
   for (int half = 0; half < 2; ++half) stretched.half[half] = Stretch(u.half[half]);
-  const WalkLanes start = Start(points, stretched);
-  choices.u = ToFloatLanes(start.u);
-  choices.probability = start.probability > 0 ? WithEvenChoices(start.probability) : FloatLanes{};
+  const StepLanes step = PickOne(stretched, root.data(), root_places_);
+  const MaskLanes found = mask & (step.probability > 0);
+  choices.u = ToFloatLanes(step.u);
+  choices.probability = found ? WithEvenChoices(step.probability) : FloatLanes{};
+  const IntLanes below = LookUp(root_children_, step.place);
+  choices.index = found & (below >= 0) ? below : IntLanes{};
   std::array<Walk, kLanes> walks;
-  unsigned walking = 0;
-  ForEachLane(mask & (start.probability > 0), [&](int lane) {
-    const Node& node = nodes_[start.node[lane]];
-    const int place = start.place[lane];
-    choices.index[lane] = static_cast<int32_t>(node.child[place]);
-    if (node.group.lights[place] == 1) return;
-    walks[lane] = {node.child[place], start.probability[lane], start.u.Get(lane), {}};
-    walking |= 1u << lane;
+  unsigned walking = Bits(found & (below < 0));
+  ForEachLane(found & (below < 0), [&](int lane) {
+    walks[lane] = {
+        static_cast<uint32_t>(~below[lane]), step.probability[lane], step.u.Get(lane), {}};
   });
   // Those whose number chooses among all alike; rounding may add some to them.
   ForEachLane(mask & (ToFloatLanes(u) <= static_cast<float>(kEvenChoices)), [&](int lane) {
@@ -229,7 +238,7 @@ STRATA_CPU_CLONES LightTree::ChoiceLanes LightTree::Select(const LightReceiverLa
     }
     for (unsigned rest = walking; rest != 0; rest &= rest - 1) {
       const int lane = std::countr_zero(rest);
-      if (Descend(weights[lane], &walks[lane])) continue;
+      if (Descend(Numbers(weights[lane]), 4, &walks[lane])) continue;
       walking &= ~(1u << lane);
       choose(lane, walks[lane].choice);
     }

@@ -10,11 +10,13 @@
 namespace strata {
 
 /// A hierarchy of bounded lights, from which one is chosen for a point in O(log n) steps: at the
-/// root one of sixteen groups, then one of four at each node, by their importance (Conty Estevez
-/// and Kulla, "Importance Sampling of Many Lights with Adaptive Tree Splitting", 2018, without the
-/// splitting). Immutable.
+/// root one of up to sixteen groups, then one of four at each node, by their importance (Conty
+/// Estevez and Kulla, "Importance Sampling of Many Lights with Adaptive Tree Splitting", 2018,
+/// without the splitting). Immutable.
 class LightTree {
  public:
+  static constexpr int kRootPlaces = 16;
+
   /// Index i of the tree is bounds[i], whose intensity is positive.
   static LightTree Build(const std::vector<LightBounds>& bounds);
 
@@ -51,28 +53,23 @@ class LightTree {
   /// Where a random number chooses one of the lights by no more than their number; none, and what
   /// is left of the number, if it does not.
   std::optional<Choice> ChooseEvenly(const LightReceiver& receiver, double* u) const;
-  /// What is below each of the root's nodes.
-  Floats4 RootWeights(const LightReceiver& receiver) const;
-  /// To one of the root's nodes.
-  Walk Start(const LightReceiver& receiver, double u) const;
-  /// One step, by the weights of the node's places; false at the end, where there is a choice.
-  bool Descend(Floats4 weights, Walk* walk) const;
-  /// To places of the root's nodes.
-  struct WalkLanes {
-    IntLanes node, place;
-    FloatLanes probability;
-    DoubleLanes u;
-  };
-  WalkLanes Start(const PointLanes& points, const DoubleLanes& u) const;
+  using RootWeights = std::array<float, kRootPlaces>;
+  RootWeights WeighRoot(const LightReceiver& receiver) const;
+  /// One step, by the weights of so many places of nodes from the walk's on; false at the end,
+  /// where there is a choice.
+  bool Descend(const float* weights, int places, Walk* walk) const;
   /// The probability of a choice that the tree alone finds with `tree`.
   template <typename Real>
   Real WithEvenChoices(Real tree) const;
   float TreeProbability(uint32_t index, const LightReceiver& receiver) const;
 
   size_t lights_ = 0;
-  uint32_t root_nodes_ = 1;  ///< The first: one of them is chosen by what all its places weigh.
+  int root_places_ = 0;  ///< Of the first nodes.
   std::vector<Node> nodes_;
-  /// For each light its way from the root, two bits a step.
+  /// Below each of the root's places: a light, or ~node.
+  std::array<int32_t, kRootPlaces> root_children_ = {};
+  /// For each light its way from the root, four bits of the root's place and two of each later
+  /// step.
   std::vector<uint64_t> trails_;
 };
 

@@ -155,7 +155,8 @@ LightTree LightTree::Build(const std::vector<LightBounds>& bounds) {
     int depth;
     uint64_t trail;
   };
-  // Below this level groups are cut evenly, whatever it costs, so that trails fit their words.
+  // The root counts for two levels. Below this one groups are cut evenly, whatever it costs, so
+  // that trails fit their words.
   constexpr int kMaxCostDepth = 16;
   std::vector<Open> open = {{{0, bounds.size()}, 0, 0, 0}};
   while (!open.empty()) {
@@ -163,16 +164,14 @@ LightTree LightTree::Build(const std::vector<LightBounds>& bounds) {
     open.pop_back();
     const bool root = now.depth == 0;
     const std::vector<Range> parts =
-        sorter.Cut(now.range, root ? 16 : 4, now.depth >= kMaxCostDepth);
+        sorter.Cut(now.range, root ? kRootPlaces : 4, now.depth >= kMaxCostDepth);
     if (root) {
-      tree.root_nodes_ = static_cast<uint32_t>((parts.size() + 3) / 4);
-      tree.nodes_.resize(tree.root_nodes_);
+      tree.root_places_ = static_cast<int>(parts.size());
+      tree.nodes_.resize((parts.size() + 3) / 4);
     }
     for (size_t part = 0; part < parts.size(); ++part) {
       const size_t place = 4 * now.node + part;
-      const bool from_root = root && tree.root_nodes_ > 1;
-      const uint64_t steps = from_root ? part / 4 + part % 4 * 4 : part % 4;
-      const uint64_t trail = now.trail | steps << (2 * now.depth);
+      const uint64_t trail = now.trail | uint64_t{part} << (2 * now.depth);
       const uint32_t count = static_cast<uint32_t>(parts[part].Count());
       uint32_t child;
       if (count == 1) {
@@ -181,10 +180,11 @@ LightTree LightTree::Build(const std::vector<LightBounds>& bounds) {
       } else {
         child = static_cast<uint32_t>(tree.nodes_.size());
         tree.nodes_.emplace_back();
-        open.push_back({parts[part], child, now.depth + (from_root ? 2 : 1), trail});
+        open.push_back({parts[part], child, now.depth + (root ? 2 : 1), trail});
       }
       Node& node = tree.nodes_[place / 4];
       node.child[place % 4] = child;
+      if (root) tree.root_children_[part] = static_cast<int32_t>(count == 1 ? child : ~child);
       node.group.Set(static_cast<int>(place % 4), sorter.BoundsOf(parts[part]), count);
     }
   }
