@@ -2,6 +2,8 @@
 
 #include <cstring>
 
+#include "common/build_info.h"
+#include "common/kernel_revision.h"
 #include "common/moments.h"
 #include "common/unit.h"
 #include "tests/all_samplers.h"
@@ -145,6 +147,16 @@ TEST(TracedDigestTest, IsTheSameEachTime) {
   const Digest digest = TracedDigest();
   EXPECT_EQ(digest, TracedDigest());
   EXPECT_NE(digest, Digest{});
+}
+
+// What gcc's code for AVX2 and for AVX-512 computes, and clang's.
+TEST(TracedDigestTest, IsThatOfTheKernelRevision) {
+  if (LibraryVersions()["embree"] != "3.13.5") GTEST_SKIP() << "bits are those of Embree 3.13.5";
+  EXPECT_EQ(kKernelRevision, 15u);
+  EXPECT_EQ(TracedDigest().ToString(),
+            "sha256:bf69c385e8d530bb57a12f7f4f90ae516d9b9073e59a537c3f143fbe35aa09e5")
+      << "If the kernels were changed, raise kKernelRevision and note both here; if not, this "
+         "compiler or this processor computes other bits.";
 }
 
 }  // namespace
