@@ -38,7 +38,8 @@ TEST(BallPaths, LeadToTheLampWithTheDensityOfNearbyRays) {
     TestRandom random(3);
     for (int i = 0; i < 600; ++i) {
       const Vec3d p = PointBelow(&random);
-      const Vec3d target = lamp.Point(random.Float(), random.Float());
+      const double v = random.Float(), u = random.Float();
+      const Vec3d target = lamp.Point(u, v);
       const int chords = i % (kMaxChords + 1);
       for (const BallPath& path : FindBallPaths(lamp, chords, p, target)) {
         const auto meets = [&](Vec3d direction) {

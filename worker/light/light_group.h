@@ -121,7 +121,7 @@ template <typename Floats>
   const Floats weight =
       within ? group.intensity * (group.inverse_radius * group.inverse_radius) : outside;
   const auto seen = within | (Min(facing, lit) > 0);
-  return seen & (group.intensity > 0) ? Max(weight, all(kLeastWeight)) : Floats{};
+  return (seen & (group.intensity > 0)) ? Max(weight, all(kLeastWeight)) : Floats{};
 }
 
 }  // namespace light_group_detail

@@ -86,7 +86,7 @@ absl::Status SceneParser::ParseFile(const std::string& bundle_path) {
       STRATA_RETURN_IF_ERROR(RunDirective(token));
     }
   }
-  directive_at_ = {bundle_path, directive_at_.line};
+  directive_at_ = {bundle_path, std::max(directive_at_.line, 1)};
   return Finish();
 }
 

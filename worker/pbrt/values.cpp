@@ -43,10 +43,9 @@ absl::StatusOr<Rgb> ReadRgb(const Parameter& parameter, SpectrumUse use,
 absl::StatusOr<Spectrum> ReadSpectrumFile(const std::string& name, const SourceLocation& where,
                                           ReadContext& context) {
   absl::StatusOr<std::string> path = context.AddFile(name, where);
-  if (!path.ok()) {
-    return Annotate(path.status(),
-                    StrCat(where.ToString(), ": \"", name, "\" is no named spectrum and no file"));
-  }
+  if (absl::IsNotFound(path.status()))
+    return ErrorAt(where, StrCat("\"", name, "\" is no named spectrum and no file"));
+  if (!path.ok()) return path.status();
   STRATA_ASSIGN_OR_RETURN(const std::string text, context.ReadText(*path, where));
   Samples samples;
   int line_number = 0;
