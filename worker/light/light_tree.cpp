@@ -208,7 +208,7 @@ STRATA_CPU_CLONES LightTree::ChoiceLanes LightTree::Select(const LightReceiverLa
   choices.u = ToFloatLanes(step.u);
   choices.probability = found ? WithEvenChoices(step.probability) : FloatLanes{};
   const IntLanes below = LookUp(root_children_, step.place);
-  choices.index = found & (below >= 0) ? below : IntLanes{};
+  choices.index = (found & (below >= 0)) ? below : IntLanes{};
   std::array<Walk, kLanes> walks;
   unsigned walking = Bits(found & (below < 0));
   ForEachLane(found & (below < 0), [&](int lane) {
