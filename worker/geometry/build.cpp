@@ -19,7 +19,7 @@ Box BoundsOf(const ShapeGroup& group) {
   Box box;
   for (const TriangleSet* set : {&group.triangles, &group.masked}) {
     for (const TriangleSet::Triangle& triangle : set->triangles) {
-      for (const uint32_t vertex : triangle.vertices) box.Include(ToDouble(set->positions[vertex]));
+      for (const uint32_t vertex : triangle.vertices) box.Include(ToDouble(set->vertices[vertex].p));
     }
   }
   for (const CurvedShape& shape : group.curved) {
@@ -43,14 +43,10 @@ Box BoundsOf(const Instance& instance, const InstanceMotion* motion, const Box& 
   return box;
 }
 
-/// Frees what growing left over and pads vectors of which sixteen bytes are read.
+/// Frees what growing left over.
 void Finish(TriangleSet* set) {
-  set->positions.emplace_back();
-  set->normals.emplace_back();
-  set->uvs.emplace_back();
-  set->positions.shrink_to_fit();
-  set->normals.shrink_to_fit();
-  set->uvs.shrink_to_fit();
+  set->vertices.shrink_to_fit();
+  set->second_uvs.shrink_to_fit();
   set->triangles.shrink_to_fit();
   set->shapes.shrink_to_fit();
 }

@@ -168,7 +168,7 @@ absl::Status ShapeBuilder::AddMesh(const ShapeDescription& shape, const Triangle
   if (!mesh.second_uvs.empty() && mesh.second_uvs.size() != mesh.positions.size())
     return Located(shape.where, "the mesh has not as many second uvs as positions");
   constexpr size_t kMaxVertices = 0xfffffff0u;
-  const size_t base = set->positions.size();
+  const size_t base = set->vertices.size();
   if (base + vertices.positions.size() > kMaxVertices ||
       set->triangles.size() + mesh.triangles.size() > kMaxVertices)
     return Located(shape.where, "the scene has more than four thousand million vertices");
@@ -176,18 +176,10 @@ absl::Status ShapeBuilder::AddMesh(const ShapeDescription& shape, const Triangle
   TriangleSet::Shape entry;
   entry.material = shape.material;
   entry.first_triangle = static_cast<uint32_t>(set->triangles.size());
-  // An offset that would be kNone is another's: a value of no vertex is put before.
-  const auto is_none = [base](size_t begin) {
-    return static_cast<uint32_t>(begin - base) == TriangleSet::Shape::kNone;
-  };
-  if (is_none(set->normals.size())) set->normals.emplace_back();
-  while (is_none(set->uvs.size()) || is_none(set->uvs.size() + mesh.uvs.size()))
-    set->uvs.emplace_back();
-  if (!vertices.normals.empty())
-    entry.normal_offset = static_cast<uint32_t>(set->normals.size() - base);
-  if (!mesh.uvs.empty()) entry.uv_offset = static_cast<uint32_t>(set->uvs.size() - base);
-  if (!mesh.second_uvs.empty())
-    entry.second_uv_offset = static_cast<uint32_t>(set->uvs.size() + mesh.uvs.size() - base);
+  entry.parts = (vertices.normals.empty() ? 0 : TriangleSet::Shape::kNormals) |
+                (mesh.uvs.empty() ? 0 : TriangleSet::Shape::kUvs) |
+                (mesh.second_uvs.empty() ? 0 : TriangleSet::Shape::kSecondUvs);
+  entry.second_uv_offset = static_cast<uint32_t>(set->second_uvs.size() - base);
   const bool mirrored = shape.reverse_orientation != to_group.SwapsHandedness();
   const std::vector<Vec2f>& emission_uvs = EmissionUvs(scene_.textures, shape, mesh);
   const bool emits = may_emit && shape.emission && !IsBlack(shape.emission->radiance);
@@ -230,10 +222,13 @@ absl::Status ShapeBuilder::AddMesh(const ShapeDescription& shape, const Triangle
   }
   if (set->triangles.size() == entry.first_triangle) return absl::OkStatus();
 
-  set->positions.insert(set->positions.end(), vertices.positions.begin(), vertices.positions.end());
-  set->normals.insert(set->normals.end(), vertices.normals.begin(), vertices.normals.end());
-  set->uvs.insert(set->uvs.end(), mesh.uvs.begin(), mesh.uvs.end());
-  set->uvs.insert(set->uvs.end(), mesh.second_uvs.begin(), mesh.second_uvs.end());
+  set->vertices.resize(base + vertices.positions.size());
+  for (size_t i = 0; i < vertices.positions.size(); ++i) {
+    const Vec2f uv = mesh.uvs.empty() ? Vec2f{} : mesh.uvs[i];
+    const Vec3f n = vertices.normals.empty() ? Vec3f{} : vertices.normals[i];
+    set->vertices[base + i] = {vertices.positions[i], uv.x, n, uv.y};
+  }
+  set->second_uvs.insert(set->second_uvs.end(), mesh.second_uvs.begin(), mesh.second_uvs.end());
   set->shapes.push_back(entry);
   return absl::OkStatus();
 }

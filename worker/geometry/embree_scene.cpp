@@ -36,9 +36,9 @@ void FilterMasked(const RTCFilterFunctionNArguments* args) {
                              RTCHitN_primID(args->hit, n, i), RTCHitN_instID(args->hit, n, i, 0)};
     const TriangleSet::Triangle& triangle = set.triangles[meeting.primitive];
     const float u = RTCHitN_u(args->hit, n, i), v = RTCHitN_v(args->hit, n, i);
-    const Vec3f p0 = set.positions[triangle.vertices[0]];
-    const Vec3f p = p0 + (u * (set.positions[triangle.vertices[1]] - p0) +
-                          v * (set.positions[triangle.vertices[2]] - p0));
+    const auto corner = [&](int k) { return set.vertices[triangle.vertices[k]].p; };
+    const Vec3f p0 = corner(0);
+    const Vec3f p = p0 + (u * (corner(1) - p0) + v * (corner(2) - p0));
     const Vec2f uv = UvsOf(set, triangle).At(u, v);
     const SurfaceUv uvs = {uv, SecondUvAt(set, triangle, u, v).value_or(uv)};
     if (!IsThere(group.masks[triangle.shape], *textures, uvs, InWorld(group, meeting.instance, p),
@@ -145,9 +145,9 @@ void BoundsOfCurved(const RTCBoundsFunctionArguments* args) {
 
 RTCGeometry MakeTriangles(RTCDevice device, const TriangleSet& set) {
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  // The last position is padding, since Embree reads sixteen bytes of each.
   rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                             set.positions.data(), 0, sizeof(Vec3f), set.positions.size() - 1);
+                             set.vertices.data(), offsetof(TriangleSet::Vertex, p),
+                             sizeof(TriangleSet::Vertex), set.vertices.size());
   rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                              set.triangles.data(), 0, sizeof(TriangleSet::Triangle),
                              set.triangles.size());

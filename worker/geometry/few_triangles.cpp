@@ -50,9 +50,9 @@ FewTriangles::FewTriangles(const TriangleSet& set) {
   triangles_.reserve(set.triangles.size());
   for (size_t i = 0; i < set.triangles.size(); ++i) {
     const auto& corners = set.triangles[i].vertices;
-    const Vec3f p0 = set.positions[corners[0]];
-    const Vec3d e1 = ToDouble(set.positions[corners[1]] - p0),
-                e2 = ToDouble(set.positions[corners[2]] - p0);
+    const Vec3f p0 = set.vertices[corners[0]].p;
+    const Vec3d e1 = ToDouble(set.vertices[corners[1]].p - p0),
+                e2 = ToDouble(set.vertices[corners[2]].p - p0);
     const Vec3d normal = Cross(e1, e2);
     const double length = Length(normal);
     // No ray meets what has no area.

@@ -30,32 +30,32 @@ void SetRays(const RayLanes& from, RTCRay8* to) {
   Store(to->flags, IntLanes{});
 }
 
-/// `from` ends with one vector of padding.
-Vec3Lanes GatherVectors(const std::vector<Vec3f>& from, IntLanes index, MaskLanes mask) {
-  const RowLanes row = GatherRows(&from.front().x, index * 3, mask);
-  return {row.v[0], row.v[1], row.v[2]};
-}
-
 /// PointOnTriangle, but for what only some materials ask for.
 STRATA_CPU_CLONES void PointsOnTriangles(const TriangleSet& set, const HitLanes& hits,
-                                         MaskLanes mask, bool with_uv, SurfaceLanes* surface) {
+                                         MaskLanes mask, SurfaceLanes* surface) {
   const auto bits = [](FloatLanes v) { return reinterpret_cast<IntLanes>(v); };
   const RowLanes triangle =
       GatherRows(reinterpret_cast<const float*>(set.triangles.data()), hits.primitive * 4, mask);
   const IntLanes v0 = bits(triangle.v[0]), v1 = bits(triangle.v[1]), v2 = bits(triangle.v[2]),
                  last = bits(triangle.v[3]);
   const MaskLanes flipped = last < 0;
-  static_assert(sizeof(TriangleSet::Shape) == 24);
+  using Shape = TriangleSet::Shape;
+  static_assert(sizeof(Shape) == 20);
   const RowLanes shape =
-      GatherRows(reinterpret_cast<const float*>(set.shapes.data()), (last & 0x7fffffff) * 6, mask);
+      GatherRows(reinterpret_cast<const float*>(set.shapes.data()), (last & 0x7fffffff) * 5, mask);
   surface->material = bits(shape.v[0]);
   const IntLanes first_light = bits(shape.v[1]), first_triangle = bits(shape.v[2]),
-                 normal_offset = bits(shape.v[3]);
+                 parts = bits(shape.v[3]);
   surface->light = first_light >= 0 ? first_light + (hits.primitive - first_triangle) : SameInt(-1);
 
-  const Vec3Lanes p0 = GatherVectors(set.positions, v0, mask);
-  const Vec3Lanes e1 = GatherVectors(set.positions, v1, mask) - p0,
-                  e2 = GatherVectors(set.positions, v2, mask) - p0;
+  static_assert(sizeof(TriangleSet::Vertex) == 8 * sizeof(float));
+  const float* vertices = &set.vertices.front().p.x;
+  const LanePlaces at0 = PlacesOf(v0 * 8, mask), at1 = PlacesOf(v1 * 8, mask),
+                   at2 = PlacesOf(v2 * 8, mask);
+  const auto vector = [](const RowLanes& row) { return Vec3Lanes{row.v[0], row.v[1], row.v[2]}; };
+  const RowLanes p0_u0 = LoadRows(vertices, at0), p1_u1 = LoadRows(vertices, at1),
+                 p2_u2 = LoadRows(vertices, at2);
+  const Vec3Lanes p0 = vector(p0_u0), e1 = vector(p1_u1) - p0, e2 = vector(p2_u2) - p0;
   const Vec3Lanes p = p0 + (hits.u * e1 + hits.v * e2);
 
   const Vec3Lanes cross = Cross(e1, e2);
@@ -81,37 +81,26 @@ STRATA_CPU_CLONES void PointsOnTriangles(const TriangleSet& set, const HitLanes&
   surface->ng = ng;
   surface->offset = Dot(size, error);
 
-  const MaskLanes smooth =
-      mask & (normal_offset != static_cast<int32_t>(TriangleSet::Shape::kNone));
+  const MaskLanes smooth = mask & ((parts & Shape::kNormals) != 0),
+                  mapped = mask & ((parts & Shape::kUvs) != 0);
   surface->ns = ng;
+  surface->uv = {hits.u + hits.v, hits.v};  // See TriangleUvs.
+  if (!Any(smooth | mapped)) return;
+  const RowLanes n0_v0 = LoadRows(vertices + 4, at0), n1_v1 = LoadRows(vertices + 4, at1),
+                 n2_v2 = LoadRows(vertices + 4, at2);
   if (Any(smooth)) {
-    const auto normal_of = [&](IntLanes vertex) {
-      return GatherVectors(set.normals, vertex + normal_offset, smooth);
-    };
     const Vec3Lanes ns =
-        normal_of(v0) * (1 - hits.u - hits.v) + (normal_of(v1) * hits.u + normal_of(v2) * hits.v);
+        vector(n0_v0) * (1 - hits.u - hits.v) + (vector(n1_v1) * hits.u + vector(n2_v2) * hits.v);
     const FloatLanes ns2 = LengthSquared(ns);
     const Vec3Lanes unit = ns * (1 / Sqrt(ns2));
     const MaskLanes usable = smooth & (ns2 > 1e-8f);
     surface->ns = Select(usable, Select(Dot(unit, ng) < 0, -unit, unit), ng);
   }
-  if (!with_uv) return;
-  const IntLanes uv_offset = bits(GatherRows(reinterpret_cast<const float*>(set.shapes.data()),
-                                             (last & 0x7fffffff) * 6 + 2, mask)
-                                      .v[2]);
-  const MaskLanes mapped = mask & (uv_offset != static_cast<int32_t>(TriangleSet::Shape::kNone));
-  surface->uv = {hits.u + hits.v, hits.v};  // See TriangleUvs.
-  if (!Any(mapped)) return;
-  const auto uv_of = [&](IntLanes vertex) {
-    const RowLanes row = GatherRows(&set.uvs.front().x, (vertex + uv_offset) * 2, mapped);
-    return Vec2Lanes{row.v[0], row.v[1]};
-  };
-  const Vec2Lanes uv0 = uv_of(v0), uv1 = uv_of(v1), uv2 = uv_of(v2);
   const auto at = [&](FloatLanes c0, FloatLanes c1, FloatLanes c2) {
     return c0 + (hits.u * (c1 - c0) + hits.v * (c2 - c0));
   };
-  surface->uv.x = mapped ? at(uv0.x, uv1.x, uv2.x) : surface->uv.x;
-  surface->uv.y = mapped ? at(uv0.y, uv1.y, uv2.y) : surface->uv.y;
+  surface->uv.x = mapped ? at(p0_u0.v[3], p1_u1.v[3], p2_u2.v[3]) : surface->uv.x;
+  surface->uv.y = mapped ? at(n0_v0.v[3], n1_v1.v[3], n2_v2.v[3]) : surface->uv.y;
 }
 
 }  // namespace
@@ -147,11 +136,11 @@ MaskLanes Occluded(const Geometry& geometry, const RayLanes& rays, MaskLanes act
 }
 
 void FindSurfaces(const Geometry& geometry, const RayLanes& rays, const HitLanes& hits,
-                  MaskLanes hit, bool with_uv, SurfaceLanes* surfaces) {
+                  MaskLanes hit, SurfaceLanes* surfaces) {
   const MaskLanes triangles =
       hit & (hits.geometry == static_cast<int32_t>(kTriangleGeometry)) & (hits.instance == -1);
   if (Any(triangles))
-    PointsOnTriangles(geometry.state().world.triangles, hits, triangles, with_uv, surfaces);
+    PointsOnTriangles(geometry.state().world.triangles, hits, triangles, surfaces);
   ForEachLane(hit & ~triangles, [&](int lane) {
     surfaces->Set(lane, geometry.Surface(rays.Get(lane), hits.Get(lane)));
   });

@@ -10,7 +10,7 @@ namespace {
 
 std::array<Vec3f, 3> CornersOf(const TriangleSet& set, size_t triangle) {
   const uint32_t* v = set.triangles[triangle].vertices;
-  return {set.positions[v[0]], set.positions[v[1]], set.positions[v[2]]};
+  return {set.vertices[v[0]].p, set.vertices[v[1]].p, set.vertices[v[2]].p};
 }
 
 }  // namespace

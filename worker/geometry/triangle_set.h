@@ -12,6 +12,16 @@ namespace strata {
 /// The triangles of many shapes in one space, as flat arrays that Embree shares: one mesh for all,
 /// since a scene of many small meshes traces faster as one.
 struct TriangleSet {
+  /// All of a vertex within one line of the cache.
+  struct alignas(32) Vertex {
+    Vec3f p;
+    float u = 0;
+    Vec3f n;  ///< Unit or zero, on the outer side.
+    float v = 0;
+
+    Vec2f Uv() const { return {u, v}; }
+  };
+
   struct Triangle {
     uint32_t vertices[3];
     uint32_t shape : 31;
@@ -21,18 +31,20 @@ struct TriangleSet {
 
   /// What the triangles of one shape have in common.
   struct Shape {
-    static constexpr uint32_t kNone = ~0u;
+    /// In parts: what its vertices have.
+    static constexpr uint32_t kNormals = 1, kUvs = 2, kSecondUvs = 4;
+
     MaterialId material = 0;
     int32_t first_light = -1;  ///< Emitter of the first triangle, or -1; the others follow.
     uint32_t first_triangle = 0;
-    uint32_t normal_offset = kNone;  ///< Added, modulo 2^32, to a vertex index; kNone: no normals.
-    uint32_t uv_offset = kNone;
-    uint32_t second_uv_offset = kNone;
+    uint32_t parts = 0;
+    uint32_t second_uv_offset = 0;  ///< Added, modulo 2^32, to a vertex index.
+
+    bool Has(uint32_t part) const { return (parts & part) != 0; }
   };
 
-  std::vector<Vec3f> positions;
-  std::vector<Vec3f> normals;  ///< Unit or zero, on the outer side.
-  std::vector<Vec2f> uvs;
+  std::vector<Vertex> vertices;
+  std::vector<Vec2f> second_uvs;
   std::vector<Triangle> triangles;
   std::vector<Shape> shapes;
 };
@@ -66,24 +78,22 @@ struct TriangleUvs {
   }
   float Determinant() const { return d1.x * d2.y - d1.y * d2.x; }
 };
-/// `offset` is one of those of the triangle's shape.
-inline TriangleUvs UvsOf(const TriangleSet& set, const TriangleSet::Triangle& triangle,
-                         uint32_t offset) {
-  if (offset == TriangleSet::Shape::kNone) return {};
-  const Vec2f uv0 = set.uvs[triangle.vertices[0] + offset];
-  const Vec2f uv1 = set.uvs[triangle.vertices[1] + offset];
-  const Vec2f uv2 = set.uvs[triangle.vertices[2] + offset];
+inline TriangleUvs UvsBetween(Vec2f uv0, Vec2f uv1, Vec2f uv2) {
   return {uv0, {uv1.x - uv0.x, uv1.y - uv0.y}, {uv2.x - uv0.x, uv2.y - uv0.y}};
 }
-
 inline TriangleUvs UvsOf(const TriangleSet& set, const TriangleSet::Triangle& triangle) {
-  return UvsOf(set, triangle, set.shapes[triangle.shape].uv_offset);
+  if (!set.shapes[triangle.shape].Has(TriangleSet::Shape::kUvs)) return {};
+  const uint32_t* v = triangle.vertices;
+  return UvsBetween(set.vertices[v[0]].Uv(), set.vertices[v[1]].Uv(), set.vertices[v[2]].Uv());
 }
 inline std::optional<Vec2f> SecondUvAt(const TriangleSet& set,
                                        const TriangleSet::Triangle& triangle, float u, float v) {
-  const uint32_t offset = set.shapes[triangle.shape].second_uv_offset;
-  if (offset == TriangleSet::Shape::kNone) return std::nullopt;
-  return UvsOf(set, triangle, offset).At(u, v);
+  const TriangleSet::Shape& shape = set.shapes[triangle.shape];
+  if (!shape.Has(TriangleSet::Shape::kSecondUvs)) return std::nullopt;
+  const auto uv = [&](int i) {
+    return set.second_uvs[triangle.vertices[i] + shape.second_uv_offset];
+  };
+  return UvsBetween(uv(0), uv(1), uv(2)).At(u, v);
 }
 
 /// The point with barycentric coordinates (1 - u - v, u, v) of a triangle, in the set's space.
@@ -96,9 +106,10 @@ inline std::optional<Vec2f> SecondUvAt(const TriangleSet& set,
 inline SurfacePoint PointOnTriangle(const TriangleSet& set, uint32_t primitive, float u, float v) {
   const TriangleSet::Triangle& triangle = set.triangles[primitive];
   const TriangleSet::Shape& shape = set.shapes[triangle.shape];
-  const Vec3f p0 = set.positions[triangle.vertices[0]];
-  const Vec3f e1 = set.positions[triangle.vertices[1]] - p0;
-  const Vec3f e2 = set.positions[triangle.vertices[2]] - p0;
+  const TriangleSet::Vertex& v0 = set.vertices[triangle.vertices[0]];
+  const TriangleSet::Vertex& v1 = set.vertices[triangle.vertices[1]];
+  const TriangleSet::Vertex& v2 = set.vertices[triangle.vertices[2]];
+  const Vec3f p0 = v0.p, e1 = v1.p - p0, e2 = v2.p - p0;
 
   SurfacePoint point;
   point.material = shape.material;
@@ -128,11 +139,8 @@ inline SurfacePoint PointOnTriangle(const TriangleSet& set, uint32_t primitive, 
     if (!IsFinite(point.dpdu)) point.dpdu = {};
   }
 
-  if (shape.normal_offset != TriangleSet::Shape::kNone) {
-    const Vec3f n0 = set.normals[triangle.vertices[0] + shape.normal_offset];
-    const Vec3f n1 = set.normals[triangle.vertices[1] + shape.normal_offset];
-    const Vec3f n2 = set.normals[triangle.vertices[2] + shape.normal_offset];
-    const Vec3f ns = n0 * (1 - u - v) + (n1 * u + n2 * v);
+  if (shape.Has(TriangleSet::Shape::kNormals)) {
+    const Vec3f ns = v0.n * (1 - u - v) + (v1.n * u + v2.n * v);
     const float length2 = LengthSquared(ns);
     // Opposite vertex normals may cancel; what is left of unit vectors then has no direction.
     if (length2 > 1e-8f) {
@@ -158,16 +166,15 @@ inline SurfaceDerivatives DerivativesOnTriangle(const TriangleSet& set, uint32_t
   const auto along_v = [&](Vec3f e1, Vec3f e2) {
     return (uvs.d1.x * e2 - uvs.d2.x * e1) / determinant;
   };
-  const Vec3f p0 = set.positions[triangle.vertices[0]];
-  const Vec3f e1 = set.positions[triangle.vertices[1]] - p0;
-  const Vec3f e2 = set.positions[triangle.vertices[2]] - p0;
+  const TriangleSet::Vertex& v0 = set.vertices[triangle.vertices[0]];
+  const TriangleSet::Vertex& v1 = set.vertices[triangle.vertices[1]];
+  const TriangleSet::Vertex& v2 = set.vertices[triangle.vertices[2]];
+  const Vec3f p0 = v0.p, e1 = v1.p - p0, e2 = v2.p - p0;
   d.dpdu = along_u(e1, e2);
   d.dpdv = along_v(e1, e2);
   if (!IsFinite(d.dpdu) || !IsFinite(d.dpdv)) return {};
-  if (shape.normal_offset == TriangleSet::Shape::kNone) return d;
-  const Vec3f n0 = set.normals[triangle.vertices[0] + shape.normal_offset];
-  const Vec3f n1 = set.normals[triangle.vertices[1] + shape.normal_offset] - n0;
-  const Vec3f n2 = set.normals[triangle.vertices[2] + shape.normal_offset] - n0;
+  if (!shape.Has(TriangleSet::Shape::kNormals)) return d;
+  const Vec3f n0 = v0.n, n1 = v1.n - n0, n2 = v2.n - n0;
   const Vec3f ns = n0 + (n1 * u + n2 * v);
   const float length2 = LengthSquared(ns);
   if (!(length2 > 1e-8f)) return d;

@@ -139,7 +139,7 @@ class PathLanes {
     if (HasEnvironments()) ForEachLane(arrived & ~found, [&](int lane) { AddEnvironment(lane); });
     if (!Any(found)) return alive;
     const MaskLanes at_surface = found & ~InMedium(found);
-    FindSurfaces(scene_.geometry(), ray_, hits_, at_surface, HasBaseTextures(), &surface_);
+    FindSurfaces(scene_.geometry(), ray_, hits_, at_surface, &surface_);
     ForEachLane(InMedium(found), [&](int lane) {
       surface_.Set(lane, path_detail::PointInMedium(ray_.Get(lane), hits_.t[lane]));
     });

@@ -34,6 +34,27 @@ void ForEachLane(MaskLanes mask, F f) {
   for (unsigned bits = Bits(mask); bits != 0; bits &= bits - 1) f(__builtin_ctz(bits));
 }
 
+/// The first lanes.
+inline MaskLanes FirstLanes(int count) { return IntLanes{0, 1, 2, 3, 4, 5, 6, 7} < count; }
+/// The lanes that are set, in their order, a byte for each, the first the lowest; 0 after the last.
+inline uint64_t PackedLanes(MaskLanes mask) {
+  const uint64_t bytes = _pdep_u64(Bits(mask), 0x0101010101010101) * 0xff;
+  return _pext_u64(0x0706050403020100, bytes);
+}
+/// A lane for each byte.
+inline IntLanes LanesOfBytes(uint64_t bytes) {
+  return reinterpret_cast<IntLanes>(
+      _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(static_cast<int64_t>(bytes))));
+}
+/// In each lane what `v` has in lane `from`.
+inline FloatLanes Permute(FloatLanes v, IntLanes from) {
+  return _mm256_permutevar8x32_ps(v, reinterpret_cast<__m256i>(from));
+}
+inline IntLanes Permute(IntLanes v, IntLanes from) {
+  return reinterpret_cast<IntLanes>(
+      _mm256_permutevar8x32_epi32(reinterpret_cast<__m256i>(v), reinterpret_cast<__m256i>(from)));
+}
+
 inline FloatLanes Sqrt(FloatLanes v) { return _mm256_sqrt_ps(v); }
 inline FloatLanes Floor(FloatLanes v) { return _mm256_floor_ps(v); }
 // As std::max and std::min: the first where one is NaN.
@@ -67,27 +88,57 @@ inline DoubleLanes ToDoubleLanes(FloatLanes v) {
            __builtin_convertvector(HalfOf(v, 1), Doubles4)}};
 }
 
+inline IntLanes AsInts(FloatLanes v) { return reinterpret_cast<IntLanes>(v); }
+inline FloatLanes AsFloats(IntLanes v) { return reinterpret_cast<FloatLanes>(v); }
+
 /// Four floats of each lane's own.
 struct RowLanes {
   FloatLanes v[4];
 };
-/// base[index] to base[index + 3] of each lane in `mask`; the others read from `base` itself. Eight
-/// loads and a transposition: many processors gather element by element, which four gathers would
-/// do four times.
-inline RowLanes GatherRows(const float* base, IntLanes index, MaskLanes mask) {
-  alignas(32) int32_t at[kLanes];
-  _mm256_store_si256(reinterpret_cast<__m256i*>(at), reinterpret_cast<__m256i>(index & mask));
-  // From memory: left to itself gcc 12 takes the vector apart in registers, which is slower.
-  asm("" : "+m"(at));
+/// Indices of each lane's own, in memory, where loads and stores take them one by one.
+struct alignas(32) LanePlaces {
+  int32_t at[kLanes];
+};
+/// base[at] to base[at + 3] of each lane. Eight loads and a transposition: many processors gather
+/// element by element, which four gathers would do four times.
+inline RowLanes LoadRows(const float* base, const LanePlaces& places) {
   const auto pair = [&](int lane) {
-    return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(base + at[lane])),
-                                _mm_loadu_ps(base + at[lane + 4]), 1);
+    return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(base + places.at[lane])),
+                                _mm_loadu_ps(base + places.at[lane + 4]), 1);
   };
   const __m256 a = pair(0), b = pair(1), c = pair(2), d = pair(3);
   const __m256 ab_low = _mm256_unpacklo_ps(a, b), ab_high = _mm256_unpackhi_ps(a, b);
   const __m256 cd_low = _mm256_unpacklo_ps(c, d), cd_high = _mm256_unpackhi_ps(c, d);
   return {{_mm256_shuffle_ps(ab_low, cd_low, 0x44), _mm256_shuffle_ps(ab_low, cd_low, 0xee),
            _mm256_shuffle_ps(ab_high, cd_high, 0x44), _mm256_shuffle_ps(ab_high, cd_high, 0xee)}};
+}
+/// The way back.
+inline void StoreRows(float* base, const LanePlaces& places, const RowLanes& rows) {
+  const __m256 xy_low = _mm256_unpacklo_ps(rows.v[0], rows.v[1]),
+               xy_high = _mm256_unpackhi_ps(rows.v[0], rows.v[1]);
+  const __m256 zw_low = _mm256_unpacklo_ps(rows.v[2], rows.v[3]),
+               zw_high = _mm256_unpackhi_ps(rows.v[2], rows.v[3]);
+  const auto store = [&](int lane, __m256 pair) {
+    _mm_storeu_ps(base + places.at[lane], _mm256_castps256_ps128(pair));
+    _mm_storeu_ps(base + places.at[lane + 4], _mm256_extractf128_ps(pair, 1));
+  };
+  store(0, _mm256_shuffle_ps(xy_low, zw_low, 0x44));
+  store(1, _mm256_shuffle_ps(xy_low, zw_low, 0xee));
+  store(2, _mm256_shuffle_ps(xy_high, zw_high, 0x44));
+  store(3, _mm256_shuffle_ps(xy_high, zw_high, 0xee));
+}
+/// `index` of each lane in `mask`, 0 of the others.
+inline LanePlaces PlacesOf(IntLanes index, MaskLanes mask) {
+  LanePlaces places;
+  _mm256_store_si256(reinterpret_cast<__m256i*>(places.at),
+                     reinterpret_cast<__m256i>(index & mask));
+  // From memory: left to itself gcc 12 takes the vector apart in registers, which is slower.
+  asm("" : "+m"(places.at));
+  return places;
+}
+/// LoadRows at `index` for each lane in `mask`; the others read from `base` itself.
+inline RowLanes GatherRows(const float* base, IntLanes index, MaskLanes mask) {
+  return LoadRows(base, PlacesOf(index, mask));
 }
 
 struct Vec2Lanes {
