@@ -6,16 +6,16 @@
 
 namespace strata {
 
-/// Which of eight surfaces have a Lambertian base (see BaseRow), bare or under a coat. Textures are
-/// looked up in two steps.
+/// Which of eight surfaces have a Lambertian base (see BaseRow), bare or under a coat, or are
+/// smooth glass. Textures are looked up in two steps.
 struct BaseLanes {
-  MaskLanes bare = {}, coated = {};
+  MaskLanes bare = {}, coated = {}, glass = {};
   RgbLanes reflectance;  ///< Where no texture has it.
 };
 
 /// What is looked for: bare bases of constant reflectance alone, or those with
 struct BaseSearch {
-  bool coats = false;     ///< coats,
+  bool coats = false;     ///< coats and glass,
   bool textures = false;  ///< textures.
 };
 
@@ -29,8 +29,13 @@ inline BaseLanes FindBases(const MaterialSet& materials, const TextureSet& textu
   const IntLanes flags = reinterpret_cast<IntLanes>(row.v[3]);
   const MaskLanes base = mask & ((flags & BaseRow::kBase) != 0);
   const MaskLanes coat = (flags & BaseRow::kCoat) != 0;
-  BaseLanes lanes = {base & ~coat, MaskLanes{}, {row.v[0], row.v[1], row.v[2]}};
-  if (search.coats) lanes.coated = base & coat;
+  BaseLanes lanes;
+  lanes.bare = base & ~coat;
+  lanes.reflectance = {row.v[0], row.v[1], row.v[2]};
+  if (search.coats) {
+    lanes.coated = base & coat;
+    lanes.glass = mask & ((flags & BaseRow::kGlass) != 0);
+  }
   if (!search.textures) return lanes;
   textured->lanes = (lanes.bare | lanes.coated) & ((flags & BaseRow::kTexture) != 0);
   if (!Any(textured->lanes)) return lanes;
@@ -51,6 +56,13 @@ inline RgbLanes FinishReflectances(const TextureSet::BegunLanes& textured,
   // Not a number stays that, to be counted as the defect it is.
   const auto clamp = [](FloatLanes v) { return Min(Max(v, FloatLanes{}), SameFloat(1)); };
   return Select(textured.lanes, {clamp(found.r), clamp(found.g), clamp(found.b)}, plain);
+}
+
+/// What the material's DielectricBsdf::eta is.
+inline FloatLanes GlassEta(const MaterialSet& materials, IntLanes material, MaskLanes mask) {
+  constexpr int32_t kStride = sizeof(BaseRow) / sizeof(float);
+  const float* with_eta = &materials.base_rows().front().internal_reflectance.r;
+  return GatherRows(with_eta, material * kStride, mask).v[3];
 }
 
 }  // namespace strata

@@ -10,11 +10,13 @@
 namespace strata {
 
 /// What eight paths at once ask of a material with a Lambertian base, bare or under a coat, of
-/// which at most the base's reflectance varies over the surface. In fours for GatherRows.
+/// which at most the base's reflectance varies over the surface, or of a smooth border between two
+/// clear media. In fours for GatherRows.
 struct alignas(16) BaseRow {
   static constexpr int32_t kBase = 1;     ///< It is such a material; for others all is as here.
   static constexpr int32_t kCoat = 2;     ///< With a coat.
   static constexpr int32_t kTexture = 4;  ///< `texture` has the reflectance.
+  static constexpr int32_t kGlass = 8;    ///< No base: a smooth DielectricBsdf of index `eta`.
 
   Rgb reflectance;
   int32_t flags = 0;

@@ -3,22 +3,11 @@
 #include <cstddef>
 
 #include "worker/bsdf/base_row.h"
+#include "worker/bsdf/bsdf_lanes.h"
 #include "worker/math/elementary_lanes.h"
 #include "worker/sampling/warp_lanes.h"
 
 namespace strata {
-
-struct BsdfValueLanes {
-  RgbLanes f;  ///< Times |cos theta_i|.
-  FloatLanes pdf = {};
-};
-
-struct BsdfSampleLanes {
-  Vec3Lanes wi;
-  RgbLanes weight;
-  FloatLanes pdf = {};
-  MaskLanes delta = {}, valid = {};
-};
 
 /// CoatedDiffuseBsdfs side by side, each seen along a direction wo: the formulas of
 /// coated_diffuse.h, with what depends on wo alone computed once.

@@ -269,7 +269,14 @@ BaseRow MaterialSet::BaseRowOf(MaterialId id) const {
   const auto* diffuse = std::get_if<DiffuseMaterial>(&materials_[id]);
   const auto* coated = std::get_if<CoatedDiffuseMaterial>(&materials_[id]);
   const Entry& entry = entries_[id];
-  if ((!diffuse && !coated) || entry.has_detail || !entry.plain_frame) return {};
+  if (entry.has_detail || !entry.plain_frame) return {};
+  if (const auto* glass = std::get_if<DielectricBsdf>(Constant(id)); glass && glass->IsSmooth()) {
+    BaseRow row;
+    row.flags = BaseRow::kGlass;
+    row.eta = glass->eta;
+    return row;
+  }
+  if (!diffuse && !coated) return {};
   const TextureId reflectance = diffuse ? diffuse->reflectance : coated->reflectance;
   if (!textures_.NeedsFirstUvOnly(reflectance)) return {};
   BaseRow row;

@@ -34,40 +34,41 @@ class FlatLights {
       return GatherRows(base, light * static_cast<int32_t>(sizeof(Row) / sizeof(float)), mask);
     };
     const auto vector = [](const RowLanes& v) { return Vec3Lanes{v.v[0], v.v[1], v.v[2]}; };
-    const RowLanes corner_near2 = row(&Row::corner_near2), edge1_center = row(&Row::edge1_center),
-                   edge2_pdf = row(&Row::edge2_pdf);
-    const Vec3Lanes corner = vector(corner_near2), edge1 = vector(edge1_center),
-                    edge2 = vector(edge2_pdf);
-    MaskLanes done = mask & (edge1_center.v[3] > 0);
-    const MaskLanes triangle = edge1_center.v[3] < 0.5f;
-    const Vec3Lanes center = corner + (edge1 + edge2) * edge1_center.v[3];
+    const RowLanes corner_near2 = row(&Row::corner_near2), edge1_scale = row(&Row::edge1_scale),
+                   edge2_scale = row(&Row::edge2_scale);
+    const Vec3Lanes corner = vector(corner_near2), edge1 = vector(edge1_scale),
+                    edge2 = vector(edge2_scale);
+    const FloatLanes scale1 = edge1_scale.v[3], scale2 = edge2_scale.v[3];
+    MaskLanes done = mask & (scale1 != 0);
+    const MaskLanes triangle = scale1 < 0;
+    const Vec3Lanes center =
+        corner + (edge1 + edge2) * (triangle ? SameFloat(1.0f / 3) : SameFloat(0.5f));
     MaskLanes near = done & (LengthSquared(center - from) < corner_near2.v[3]);
     done &= ~(near & triangle);
     near &= done;
     if (!Any(done)) return done;
-    const RowLanes ng_two_sided = row(&Row::ng_two_sided),
-                   radiance_offset = row(&Row::radiance_offset);
+    const RowLanes ng_pdf = row(&Row::ng_pdf), radiance_offset = row(&Row::radiance_offset);
     const Vec2Lanes corner_weights = SampleTriangle(u);
     u = {triangle ? corner_weights.x : u.x, triangle ? corner_weights.y : u.y};
     FloatLanes solid_angle = {};
     if (Any(near)) {
-      const RowLanes unit1 = row(&Row::unit1_length), unit2 = row(&Row::unit2_length);
       const SphericalRectangleOf<FloatLanes> rectangle(
-          corner, vector(unit1), unit1.v[3], vector(unit2), unit2.v[3], vector(ng_two_sided), from);
+          corner, edge1 * scale1, LengthSquared(edge1) * scale1, edge2 * scale2,
+          LengthSquared(edge2) * scale2, vector(ng_pdf), from);
       const Vec2Lanes parts = rectangle.Sample(u);
       u = {near ? parts.x : u.x, near ? parts.y : u.y};
       solid_angle = rectangle.solid_angle;
     }
     const Vec3Lanes p = corner + (edge1 * u.x + edge2 * u.y);
-    const Vec3Lanes ng = vector(ng_two_sided);
+    const Vec3Lanes ng = vector(ng_pdf);
     const Vec3Lanes to_light = p - from;
     const FloatLanes distance2 = LengthSquared(to_light);
     const Vec3Lanes wi = to_light * (1 / Sqrt(distance2));
     const FloatLanes cosine = Dot(ng, wi);
-    const MaskLanes shines = (ng_two_sided.v[3] > 0) | (cosine < 0);
+    const MaskLanes shines = (ng_pdf.v[3] < 0) | (cosine < 0);
     const RgbLanes radiance = {radiance_offset.v[0], radiance_offset.v[1], radiance_offset.v[2]};
     const FloatLanes pdf_near = solid_angle > 0 ? 1 / solid_angle : FloatLanes{};
-    const FloatLanes pdf = near ? pdf_near : edge2_pdf.v[3] * distance2 / Abs(cosine);
+    const FloatLanes pdf = near ? pdf_near : Abs(ng_pdf.v[3]) * distance2 / Abs(cosine);
     sample->wi = Select(done, wi, sample->wi);
     sample->radiance = Select(done, radiance, sample->radiance);
     sample->pdf = done ? pdf : sample->pdf;
@@ -83,32 +84,27 @@ class FlatLights {
   /// A vector and what else is asked of the light, in fours for GatherRows.
   struct Row {
     Quad corner_near2 = {};  ///< See QuadLight and TriangleLight.
-    /// The centre lies at the corner plus this part of both edges: a half, in a triangle a third; 0
-    /// if it is none of those that are sampled here.
-    Quad edge1_center = {};
-    Quad edge2_pdf = {};                        ///< pdf_area.
-    Quad ng_two_sided = {};                     ///< 1 if it shines to both sides.
-    Quad radiance_offset = {};                  ///< Of points on it, for OffsetRayOrigins.
-    Quad unit1_length = {}, unit2_length = {};  ///< Along the edges of what may be near.
+    /// And by what they become unit vectors. The first is negative in triangles, where neither is
+    /// asked for, and 0 if the light is none of those that are sampled here.
+    Quad edge1_scale = {}, edge2_scale = {};
+    Quad ng_pdf = {};           ///< pdf_area, negative if it shines to both sides.
+    Quad radiance_offset = {};  ///< Of points on it, for OffsetRayOrigins.
   };
 
   static Quad With(Vec3f v, float last = 0) { return {v.x, v.y, v.z, last}; }
   static Row RowOf(const Light& light) {
-    const auto row_of = [](const auto& l, Vec3f corner, float center) {
+    const auto row_of = [](const auto& l, Vec3f corner, float scale1, float scale2) {
       return Row{
           .corner_near2 = With(corner, l.near2),
-          .edge1_center = With(l.edge1, center),
-          .edge2_pdf = With(l.edge2, l.pdf_area),
-          .ng_two_sided = With(l.ng, l.two_sided ? 1.0f : 0.0f),
+          .edge1_scale = With(l.edge1, scale1),
+          .edge2_scale = With(l.edge2, scale2),
+          .ng_pdf = With(l.ng, l.two_sided ? -l.pdf_area : l.pdf_area),
           .radiance_offset = {l.radiance.r, l.radiance.g, l.radiance.b, Dot(Abs(l.ng), l.p_error)}};
     };
-    if (const auto* t = std::get_if<TriangleLight>(&light)) return row_of(*t, t->p0, 1.0f / 3);
+    if (const auto* t = std::get_if<TriangleLight>(&light)) return row_of(*t, t->p0, -1, 0);
     const auto* q = std::get_if<QuadLight>(&light);
     if (!q) return {};
-    Row row = row_of(*q, q->corner, 0.5f);
-    row.unit1_length = With(q->unit1, q->length1);
-    row.unit2_length = With(q->unit2, q->length2);
-    return row;
+    return row_of(*q, q->corner, 1 / q->length1, 1 / q->length2);
   }
 
   std::vector<Row> rows_;

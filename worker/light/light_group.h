@@ -88,11 +88,16 @@ struct Points {
   Floats one_sided;  ///< Below 0 where they are, 0 in media, else above.
 };
 
-/// has_cones: whether any spread is more than 0.
+/// What some of the lights and points may be; what none is costs no time.
+struct Kinds {
+  bool cones = true;            ///< Spreads of more than 0.
+  bool two_sided = true;        ///< Lights.
+  bool nothing = true;          ///< Places without a light.
+  bool lit_from_behind = true;  ///< Points that are not one-sided.
+};
 template <typename Floats>
 [[gnu::always_inline]] inline Floats Importance(const LightGroupOf<Floats>& group,
-                                                const Points<Floats>& point,
-                                                bool has_cones = true) {
+                                                const Points<Floats>& point, Kinds kinds = {}) {
   const auto all = [](float v) { return Floats{} + v; };
   const Floats x = point.x - group.x, y = point.y - group.y, z = point.z - group.z;
   const Floats distance2 =
@@ -101,8 +106,8 @@ template <typename Floats>
   const Floats radius2 = group.radius * group.radius, steep = radius2 * inverse2;
 
   Floats along = group.axis_x * x + group.axis_y * y + group.axis_z * z;
-  along = group.least_facing > LightGroup::kTwoSided ? along : Abs(along);
-  if (has_cones) {
+  if (kinds.two_sided) along = group.least_facing > LightGroup::kTwoSided ? along : Abs(along);
+  if (kinds.cones) {
     const Floats off_axis = Sqrt(Max(Floats{}, distance2 - along * along));
     along = along > group.cos_spread * distance
                 ? distance
@@ -112,8 +117,10 @@ template <typename Floats>
       Facing(along, group.radius, group.inverse_radius, distance, steep, group.least_facing);
 
   Floats incident = -(point.n_x * x + point.n_y * y + point.n_z * z);
-  incident = point.one_sided < 0 ? incident : Abs(incident);
-  incident = point.one_sided == 0 ? distance : incident;
+  if (kinds.lit_from_behind) {
+    incident = point.one_sided < 0 ? incident : Abs(incident);
+    incident = point.one_sided == 0 ? distance : incident;
+  }
   const Floats lit = Facing(incident, group.radius, group.inverse_radius, distance, steep,
                             all(-LightGroup::kSlack));
   const Floats outside = group.intensity * (facing * inverse2) * (lit * inverse2);
@@ -121,25 +128,26 @@ template <typename Floats>
   const Floats weight =
       within ? group.intensity * (group.inverse_radius * group.inverse_radius) : outside;
   const auto seen = within | (Min(facing, lit) > 0);
-  return (seen & (group.intensity > 0)) ? Max(weight, all(kLeastWeight)) : Floats{};
+  const Floats least = Max(weight, all(kLeastWeight));
+  if (!kinds.nothing) return seen ? least : Floats{};
+  return (seen & (group.intensity > 0)) ? least : Floats{};
 }
 
 }  // namespace light_group_detail
 
+/// The same point beside all.
+template <typename Floats>
+light_group_detail::Points<Floats> PointOf(const LightReceiver& receiver) {
+  const auto all = [](float v) { return Floats{} + v; };
+  const float one_sided = receiver.one_sided ? -1.0f : receiver.in_medium ? 0.0f : 1.0f;
+  return {all(receiver.p.x), all(receiver.p.y), all(receiver.p.z), all(receiver.n.x),
+          all(receiver.n.y), all(receiver.n.z), all(one_sided)};
+}
+
 /// How much light may come from each, but for what hides it: never 0 where some does. Conty Estevez
 /// and Kulla 2018 with the sphere around the box, and PBRT 12.6.3 for the point's own cosine.
 inline Floats4 Importance(const LightGroup& group, const LightReceiver& receiver) {
-  const auto all = [](float v) { return Floats4{v, v, v, v}; };
-  const light_group_detail::Points<Floats4> point = {all(receiver.p.x),
-                                                     all(receiver.p.y),
-                                                     all(receiver.p.z),
-                                                     all(receiver.n.x),
-                                                     all(receiver.n.y),
-                                                     all(receiver.n.z),
-                                                     all(receiver.one_sided   ? -1.0f
-                                                         : receiver.in_medium ? 0.0f
-                                                                              : 1.0f)};
-  return light_group_detail::Importance<Floats4>(group, point);
+  return light_group_detail::Importance<Floats4>(group, PointOf<Floats4>(receiver));
 }
 
 using PointLanes = light_group_detail::Points<FloatLanes>;
@@ -150,8 +158,9 @@ inline PointLanes PointsOf(const LightReceiverLanes& receivers) {
   return {p.x, p.y, p.z, n.x, n.y, n.z, receivers.one_sided ? SameFloat(-1) : two_sided};
 }
 
-/// Of one place of the group for each of the points.
-inline FloatLanes Importance(const LightGroup& group, int place, const PointLanes& points) {
+/// Of one place of the group for each of the points. `one_sided`: all points are.
+inline FloatLanes Importance(const LightGroup& group, int place, const PointLanes& points,
+                             bool one_sided) {
   const auto all = [&](const Floats4& values) {
     return SameFloat(reinterpret_cast<const float*>(&values)[place]);
   };
@@ -167,20 +176,21 @@ inline FloatLanes Importance(const LightGroup& group, int place, const PointLane
                                           all(group.sin_spread),
                                           all(group.least_facing),
                                           all(group.intensity)};
-  return light_group_detail::Importance<FloatLanes>(light, points, group.cos_spread[place] < 1);
+  return light_group_detail::Importance<FloatLanes>(
+      light, points,
+      {.cones = group.cos_spread[place] < 1,
+       .two_sided = !(group.least_facing[place] > LightGroup::kTwoSided),
+       .nothing = !(group.intensity[place] > 0),
+       .lit_from_behind = !one_sided});
 }
 
-/// For two of the points, each with a group of its own: the first four weights are those of
-/// `first`.
+/// Of two groups, each beside points of its own.
 inline FloatLanes Importance(const LightGroup& first_group, const LightGroup& second_group,
-                             const PointLanes& points, int first, int second) {
+                             const PointLanes& points) {
   using Group = LightGroupOf<Floats4>;
   const auto both = [&](const Floats4 Group::*member) -> FloatLanes {
     return _mm256_set_m128(second_group.*member, first_group.*member);
   };
-  const __m256i lanes =
-      _mm256_set_epi32(second, second, second, second, first, first, first, first);
-  const auto of = [&](FloatLanes v) -> FloatLanes { return _mm256_permutevar8x32_ps(v, lanes); };
   const LightGroupOf<FloatLanes> groups = {both(&Group::x),
                                            both(&Group::y),
                                            both(&Group::z),
@@ -193,9 +203,18 @@ inline FloatLanes Importance(const LightGroup& first_group, const LightGroup& se
                                            both(&Group::sin_spread),
                                            both(&Group::least_facing),
                                            both(&Group::intensity)};
-  return light_group_detail::Importance<FloatLanes>(
-      groups, {of(points.x), of(points.y), of(points.z), of(points.n_x), of(points.n_y),
-               of(points.n_z), of(points.one_sided)});
+  return light_group_detail::Importance<FloatLanes>(groups, points);
+}
+
+/// For two of the points, each with a group of its own: the first four weights are those of
+/// `first`.
+inline FloatLanes Importance(const LightGroup& first_group, const LightGroup& second_group,
+                             const PointLanes& points, int first, int second) {
+  const IntLanes lanes = {first, first, first, first, second, second, second, second};
+  const auto of = [&](FloatLanes v) { return Permute(v, lanes); };
+  return Importance(first_group, second_group,
+                    PointLanes{of(points.x), of(points.y), of(points.z), of(points.n_x),
+                               of(points.n_y), of(points.n_z), of(points.one_sided)});
 }
 
 }  // namespace strata

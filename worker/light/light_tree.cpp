@@ -153,9 +153,11 @@ std::optional<LightTree::Choice> LightTree::ChooseEvenly(const LightReceiver& re
 
 LightTree::RootWeights LightTree::WeighRoot(const LightReceiver& receiver) const {
   RootWeights weights;
-  for (int first = 0; first < root_places_; first += 4) {
-    const Floats4 w = Importance(nodes_[first / 4].group, receiver);
-    std::copy_n(Numbers(w), 4, &weights[first]);
+  const PointLanes point = PointOf<FloatLanes>(receiver);
+  for (int first = 0; first < root_places_; first += kLanes) {
+    const int second = first + 4 < root_places_ ? first + 4 : first;
+    const FloatLanes w = Importance(nodes_[first / 4].group, nodes_[second / 4].group, point);
+    _mm256_storeu_ps(&weights[first], w);
   }
   return weights;
 }
@@ -200,7 +202,9 @@ STRATA_CPU_CLONES LightTree::ChoiceLanes LightTree::Select(const LightReceiverLa
   // The root is the same for all: each of its places is weighed for all points at once.
   const PointLanes points = PointsOf(receivers);
   std::array<FloatLanes, kRootPlaces> root;
-  for (int i = 0; i < root_places_; ++i) root[i] = Importance(nodes_[i / 4].group, i % 4, points);
+  const bool one_sided = !Any(mask & ~(points.one_sided < 0));
+  for (int i = 0; i < root_places_; ++i)
+    root[i] = Importance(nodes_[i / 4].group, i % 4, points, one_sided);
   DoubleLanes stretched;
   for (int half = 0; half < 2; ++half) stretched.half[half] = Stretch(u.half[half]);
   const StepLanes step = PickOne(stretched, root.data(), root_places_);

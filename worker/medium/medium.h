@@ -1,6 +1,6 @@
 #pragma once
 
-#include "worker/math/elementary.h"
+#include "worker/math/elementary_lanes.h"
 #include "worker/math/vec.h"
 
 namespace strata {
@@ -19,6 +19,12 @@ struct Medium {
 /// 1 still.
 inline Rgb Fading(Rgb coefficient, float length) {
   const auto fading = [&](float c) { return c > 0 ? Exp(-c * length) : 1.0f; };
+  return {fading(coefficient.r), fading(coefficient.g), fading(coefficient.b)};
+}
+
+/// Of each lane.
+inline RgbLanes Fading(RgbLanes coefficient, FloatLanes length) {
+  const auto fading = [&](FloatLanes c) { return c > 0 ? Exp(-c * length) : SameFloat(1); };
   return {fading(coefficient.r), fading(coefficient.g), fading(coefficient.b)};
 }
 

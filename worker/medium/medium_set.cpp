@@ -85,6 +85,10 @@ absl::StatusOr<std::unique_ptr<MediumSet>> MediumSet::Build(SceneDescription* sc
     borders.instances = scene->instances;
     STRATA_ASSIGN_OR_RETURN(set->borders_, Geometry::Build(borders));
   }
+  set->only_absorbs_ =
+      !set->borders_ && std::all_of(set->media_.begin(), set->media_.end(), [](const Medium& m) {
+        return IsBlack(m.scattering) && IsBlack(m.emission);
+      });
   return set;
 }
 
@@ -111,7 +115,6 @@ absl::Status MediumSet::SetBorders(SceneDescription* scene) {
   };
   if (!exists(scene->camera.medium))
     return absl::InvalidArgumentError("the camera stands in a medium that does not exist");
-  border_of_.resize(scene->materials.size());
   first_border_ = static_cast<MaterialId>(scene->materials.size());
   std::map<std::pair<MaterialId, MediumBorder>, MaterialId> known;
   absl::Status status;
@@ -136,7 +139,7 @@ absl::Status MediumSet::SetBorders(SceneDescription* scene) {
     if (const auto detail = scene->surface_details.find(plain);
         detail != scene->surface_details.end())
       scene->surface_details[it->second] = detail->second;
-    border_of_.push_back(shape.border);
+    borders_of_.push_back({*shape.border});
   });
   return status;
 }

@@ -50,9 +50,17 @@ class MediumSet {
   /// The medium of a path that is in `medium`, after it left a point of a surface of `material`
   /// whose outer normal is `ng` in direction `w`.
   MediumId Entered(MaterialId material, Vec3f ng, Vec3f w, MediumId medium) const {
-    const auto* border = BorderOf(material);
-    if (!border) return medium;
-    return Dot(w, ng) > 0 ? border->outside : border->inside;
+    if (material < first_border_) return medium;
+    const Border& border = borders_of_[static_cast<size_t>(material - first_border_)];
+    return Dot(w, ng) > 0 ? border.outside : border.inside;
+  }
+  /// Of the lanes in `at_border`, whose materials are borders'; of the others `medium`.
+  IntLanes Entered(IntLanes material, Vec3Lanes ng, Vec3Lanes w, IntLanes medium,
+                   MaskLanes at_border) const {
+    const auto* rows = reinterpret_cast<const float*>(borders_of_.data());
+    const RowLanes sides = GatherRows(rows, (material - first_border_) * 4, at_border);
+    const IntLanes entered = AsInts(Dot(w, ng) > 0 ? sides.v[1] : sides.v[0]);
+    return at_border ? entered : medium;
   }
   /// What is around a point in `medium`, which may be none.
   Haze HazeOf(MediumId medium) const {
@@ -70,32 +78,43 @@ class MediumSet {
   /// at most what it was. u.x is for the distance, of all media on the way, u.y for the channel.
   Flight Fly(const Ray& ray, MediumId medium, Rgb beta, Vec2f u) const;
 
+  /// Whether all that media do is absorb, and all borders are surfaces: then Absorption says all of
+  /// flights and of what fades.
+  bool only_absorbs() const { return only_absorbs_; }
+  /// What is left of radiance over a length in a medium of each lane in `mask`.
+  RgbLanes Absorption(IntLanes medium, FloatLanes length, MaskLanes mask) const {
+    constexpr int32_t kStride = sizeof(Medium) / sizeof(float);
+    const RowLanes extinction = GatherRows(&media_.front().extinction.r, medium * kStride, mask);
+    return Fading({extinction.v[0], extinction.v[1], extinction.v[2]}, length);
+  }
+
   /// The part of radiance that is left of it over a segment that starts in `medium`.
   Rgb Transmittance(const Ray& ray, MediumId medium) const;
   /// Whether a ray in `medium` is in none until it meets a surface.
   bool IsOutside(MediumId medium) const { return medium == kNoMedium && !borders_; }
 
  private:
+  /// In fours for GatherRows.
+  struct alignas(16) Border : MediumBorder {};
+  static_assert(sizeof(Border) == 16);
+
   MediumSet() = default;
-  const MediumBorder* BorderOf(MaterialId material) const {
-    const auto& border = border_of_[static_cast<size_t>(material)];
-    return border ? &*border : nullptr;
-  }
   /// Makes media_ and phases_.
   absl::Status SetMedia(const SceneDescription& scene);
-  /// Makes border_of_.
+  /// Makes borders_of_.
   absl::Status SetBorders(SceneDescription* scene);
   /// Calls f(medium, length) for each stretch of the ray in turn until it is false.
   template <typename F>
   void ForEachStretch(Ray ray, MediumId medium, F f) const;
 
   std::vector<Medium> media_;
-  std::vector<Bsdf> phases_;                            ///< PhaseFunctions, of each medium.
-  std::vector<std::optional<MediumBorder>> border_of_;  ///< Each material.
+  std::vector<Bsdf> phases_;        ///< PhaseFunctions, of each medium.
+  std::vector<Border> borders_of_;  ///< Materials from first_border_ on.
   MaterialId first_border_ = 0;
   std::unique_ptr<Geometry> borders_;
   MediumId camera_medium_ = kNoMedium;
   bool scatters_ = false;  ///< Any of the media does.
+  bool only_absorbs_ = false;
   LampPlaces lamps_;
 };
 

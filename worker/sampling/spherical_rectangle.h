@@ -33,10 +33,12 @@ struct SphericalRectangleOf {
   /// A point of the rectangle, in parts of its edges.
   Vec2 Sample(Vec2 u) const {
     const Float tiny = Float{} + 1e-12f;
-    const SinCosResult<Float> angle = SinCos(u.x * solid_angle + k);
-    const Float f = (angle.cos * b0 - b1) / angle.sin;
-    const Float c = CopySign(1 / Sqrt(f * f + b0 * b0), f);
-    const Float x = Min(Max(-(c * z0) / Sqrt(Max(1 - c * c, tiny)), x0), x1);
+    const SinCosResult<Float> angle = SinCos2Pi((u.x * solid_angle + k) * (kInvPi / 2));
+    // With f = (cos b0 - b1) / sin, the cosine c = 1 / sqrt(f^2 + b0^2) with the sign of f makes
+    // x = -c z0 / sqrt(1 - c^2), from which c goes out.
+    const Float f_sin = angle.cos * b0 - b1;
+    const Float root = Sqrt(Max(f_sin * f_sin - angle.sin * angle.sin * (1 - b0 * b0), tiny));
+    const Float x = Min(Max(CopySign(angle.sin * z0 / root, angle.sin * f_sin), x0), x1);
     const Float d2 = x * x + z0 * z0;
     const Float h0 = y0 / Sqrt(d2 + y0 * y0), h1 = y1 / Sqrt(d2 + y1 * y1);
     const Float h = h0 + u.y * (h1 - h0);
