@@ -8,9 +8,11 @@
 #include "tests/bsdf/cases.h"
 #include "tests/statistics/random.h"
 #include "worker/bsdf/coated_diffuse_lanes.h"
+#include "worker/bsdf/dielectric.h"
+#include "worker/bsdf/dielectric_lanes.h"
 #include "worker/sampling/warp.h"
 
-// Eight coated bases at once against one at a time.
+// Eight coated bases, and eight smooth borders, at once against one at a time.
 
 namespace strata {
 namespace {
@@ -117,6 +119,37 @@ TEST(CoatedDiffuseLanes, GoWhereEachGoes) {
   }
   EXPECT_GT(valid, 2000 * kLanes / 2);
   EXPECT_GT(deltas, 200);
+}
+
+TEST(SmoothDielectricLanes, GoWhereEachGoes) {
+  TestRandom random(3);
+  int transmitted = 0, reflected = 0, refused = 0;
+  for (int i = 0; i < 4000; ++i) {
+    FloatLanes eta = {}, u_lobe = {};
+    Vec3Lanes wo;
+    for (int lane = 0; lane < kLanes; ++lane) {
+      eta[lane] = std::array{1.0f, 1.5f, 1 / 1.5f, 2.4f}[random.Bits() % 4];
+      u_lobe[lane] = random.Float();
+      wo.Set(lane, random.Float() < 0.01f ? Vec3f{1, 0, 0} : AnyDirection(random));
+    }
+    const SmoothDielectricSampleLanes samples = SampleSmoothDielectric(eta, wo, u_lobe);
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const DielectricBsdf bsdf = {.eta = eta[lane]};
+      const auto one = Sample(bsdf, wo.Get(lane), u_lobe[lane], {0.5f, 0.5f});
+      ASSERT_EQ(samples.valid[lane] != 0, one.has_value());
+      refused += !one;
+      if (!one) continue;
+      (one->transmission ? transmitted : reflected) += 1;
+      EXPECT_EQ(samples.delta[lane] != 0, one->delta);
+      EXPECT_LT(Length(samples.wi.Get(lane) - one->wi), 1e-6f);
+      ExpectSame(samples.weight.Get(lane), one->weight, 1e-6f);
+      ExpectSame(samples.pdf[lane], one->pdf, 1e-6f);
+      ExpectSame(samples.eta2[lane], one->transmission ? one->eta * one->eta : 1, 1e-6f);
+    }
+  }
+  EXPECT_GT(transmitted, 10000);
+  EXPECT_GT(reflected, 4000);
+  EXPECT_GT(refused, 100);
 }
 
 }  // namespace

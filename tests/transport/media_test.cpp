@@ -225,7 +225,14 @@ TEST(Media, KernelsTraceTheSamePaths) {
   });
   const auto built = BuildScene(unbounded);
   EXPECT_EQ(built->media().borders(), nullptr);
+  EXPECT_FALSE(built->media().only_absorbs());
   EXPECT_GE(AgreeingShare(built, spec, 1e-5), 0.999);
+  // Where media only absorb, which the fast kernel does side by side.
+  for (MediumDescription& medium : unbounded.description.media)
+    medium.scattering = medium.emission = {};
+  const auto clear = BuildScene(unbounded);
+  EXPECT_TRUE(clear->media().only_absorbs());
+  EXPECT_GE(AgreeingShare(clear, spec, 1e-5), 0.999);
 }
 
 TEST(Media, InstancesOfBordersAreWhereTheyArePlaced) {

@@ -2,42 +2,16 @@
 
 #include "worker/integrator/path_lanes.h"
 
-// The lights' part of PathLanes: emission that rays meet, and light that vertices sample. Included
-// by path_lanes.h alone.
+// The lights' part of PathLanes: light that vertices sample, and the shadow rays to it. Included by
+// path_lanes.h alone.
 
 namespace strata {
-
-template <typename Sampler, uint32_t kHas>
-inline void PathLanes<Sampler, kHas>::AddEnvironment(int lane) {
-  const LightSet& lights = scene_.lights();
-  const Vec3f origin = ray_.origin.Get(lane), direction = ray_.direction.Get(lane);
-  for (uint32_t light : lights.environments()) {
-    const float weight = EmissionWeight(
-        lane, [&] { return lights.EnvironmentPdf(light, previous_.p.Get(lane), direction); });
-    AddRadiance(lane, lights.EnvironmentLe(light, origin, direction), weight);
-  }
-}
-
-template <typename Sampler, uint32_t kHas>
-void PathLanes<Sampler, kHas>::AddEmission(int lane) {
-  const LightSet& lights = scene_.lights();
-  const uint32_t surface = static_cast<uint32_t>(surface_.light[lane]);
-  const Vec3f direction = ray_.direction.Get(lane), ng = surface_.ng.Get(lane);
-  const Rgb radiance = lights.SurfaceLe(surface, ng, -direction, [&] {
-    return scene_.geometry().Surface(ray_.Get(lane), hits_.Get(lane));
-  });
-  if (IsBlack(radiance)) return;
-  const float weight = EmissionWeight(lane, [&] {
-    return lights.SurfacePdf(surface, previous_.Get(lane),
-                             {surface_.p.Get(lane), ng, direction, hits_.t[lane]});
-  });
-  AddRadiance(lane, radiance, weight);
-}
 
 template <typename Sampler, uint32_t kHas>
 inline MaskLanes PathLanes<Sampler, kHas>::SampleLights(MaskLanes mask) {
   const LightSet& lights = scene_.lights();
   if (lights.empty()) return MaskLanes{};
+  mask &= ~Glass(mask);
   ForEachLane(OtherMaterials(mask), [&](int lane) {
     if (IsDelta(*bsdf_[lane])) mask[lane] = 0;
   });
@@ -58,8 +32,8 @@ inline MaskLanes PathLanes<Sampler, kHas>::SampleLights(MaskLanes mask) {
 }
 
 template <typename Sampler, uint32_t kHas>
-inline void PathLanes<Sampler, kHas>::AddDirectLight(MaskLanes mask) {
-  if (!Any(mask)) return;
+inline MaskLanes PathLanes<Sampler, kHas>::AddDirectLight(MaskLanes mask) {
+  if (!Any(mask)) return mask;
   const LightSampleLanes& sample = light_;
   const FloatLanes wi_z = Dot(sample.wi, frame_.z);
   mask &= SidesAgree(sample.wi, wi_z);
@@ -77,37 +51,74 @@ inline void PathLanes<Sampler, kHas>::AddDirectLight(MaskLanes mask) {
     bsdf_pdf[lane] = value.pdf;
   });
   mask &= ~IsBlack(f);
-  if (!Any(mask)) return;
+  if (!Any(mask)) return mask;
   ForEachLane(Guided(mask), [&](int lane) {
     bsdf_pdf[lane] = guides_[lane].MixedPdf(bsdf_pdf[lane], sample.wi.Get(lane));
   });
   const FloatLanes weight = sample.delta ? SameFloat(1) : PowerHeuristic(sample.pdf, bsdf_pdf);
-  RgbLanes contribution = beta_ * f * sample.radiance * (weight / sample.pdf);
-  mask = ShadowRoulette(mask, &contribution);
-  if (!Any(mask)) return;
-  rays_ -= mask;
-  RayLanes shadow;
-  if (HasAlpha()) SetRayIds(&shadow, Get2D(kPairLight, mask), true, mask);
-  shadow.origin = OffsetRayOrigins(surface_.p, surface_.offset, surface_.ng, sample.wi);
-  shadow.direction = Select(sample.infinite, sample.wi, sample.end - shadow.origin);
-  shadow.time = ray_.time;
-  shadow.t_max = sample.infinite ? shadow.t_max : SameFloat(path_detail::kShadowEnd);
-  mask &= ~Occluded(scene_.geometry(), shadow, mask);
-  if (HasMedia()) {
-    shadow.t_max = sample.infinite ? shadow.t_max : SameFloat(1);
-    Fade(shadow, sample.wi, mask, &contribution);
+  ShadowQueue::Lanes& shadow = shadow_;
+  shadow.contribution = beta_ * f * sample.radiance * (weight / sample.pdf);
+  mask = ShadowRoulette(mask, &shadow.contribution);
+  if (!Any(mask)) return mask;
+  shadow_rays_ -= mask;  // Masks are -1.
+  if (HasAlpha()) {
+    const Vec2Lanes u = Get2D(kPairLight, mask);
+    ForEachLane(mask, [&](int lane) {
+      shadow.rays.id[lane] = static_cast<int32_t>(path_detail::RayId({u.x[lane], u.y[lane]}, true));
+    });
   }
-  radiance_ = Select(mask, radiance_ + contribution, radiance_);
+  shadow.rays.origin = OffsetRayOrigins(surface_.p, surface_.offset, surface_.ng, sample.wi);
+  shadow.rays.direction = Select(sample.infinite, sample.wi, sample.end - shadow.rays.origin);
+  shadow.rays.time = ray_.time;
+  shadow.rays.t_max = sample.infinite ? SameFloat(std::numeric_limits<float>::infinity())
+                                      : SameFloat(path_detail::kShadowEnd);
+  if (HasMedia()) shadow.medium = MediumTowards(sample.wi, mask);
+  return mask;
 }
 
 template <typename Sampler, uint32_t kHas>
-void PathLanes<Sampler, kHas>::Fade(const RayLanes& shadow, const Vec3Lanes& wi, MaskLanes mask,
+inline void PathLanes<Sampler, kHas>::PushShadows(const PathBatch& batch, MaskLanes mask,
+                                                  MaskLanes ended) {
+  shadow_.path = batch.ids;
+  shadow_.last = ended;
+  if (shadows_.size() == 0) waiting_since_ = to_trace_.pushed();
+  ShadowQueue::Lanes full;
+  if (!shadows_.Push(shadow_, mask, &full)) return;
+  // What is left is of this batch.
+  waiting_since_ = to_trace_.pushed();
+  Connect(full, FirstLanes(kLanes));
+}
+
+template <typename Sampler, uint32_t kHas>
+inline void PathLanes<Sampler, kHas>::Connect(const ShadowQueue::Lanes& shadows, MaskLanes mask) {
+  const MaskLanes seen = mask & ~Occluded(scene_.geometry(), shadows.rays, mask);
+  const PathBatch batch(shadows.path, mask);
+  RgbLanes contribution = shadows.contribution;
+  if (HasMedia()) Fade(shadows, seen, &contribution);
+  const RowLanes radiance = states_.Load(offsetof(PathState, radiance), batch);
+  const RgbLanes sum = Select(seen, ColorOf(radiance) + contribution, ColorOf(radiance));
+  states_.Store(offsetof(PathState, radiance), batch, RowsOf(sum, radiance.v[3]));
+  finished_.Push(batch.ids, mask & shadows.last);
+}
+
+template <typename Sampler, uint32_t kHas>
+void PathLanes<Sampler, kHas>::Fade(const ShadowQueue::Lanes& shadows, MaskLanes mask,
                                     RgbLanes* contribution) const {
-  if (!scene_.media().borders()) mask &= (medium_ != kNoMedium) | AtBorder();
+  if (!scene_.media().borders()) mask &= shadows.medium != kNoMedium;
+  if (!Any(mask)) return;
+  if (scene_.media().only_absorbs()) {
+    const MaskLanes finite = shadows.rays.t_max == path_detail::kShadowEnd;
+    const FloatLanes length =
+        finite ? Sqrt(LengthSquared(shadows.rays.direction)) : shadows.rays.t_max;
+    *contribution =
+        Select(mask, *contribution * scene_.media().Absorption(shadows.medium, length, mask),
+               *contribution);
+    return;
+  }
   ForEachLane(mask, [&](int lane) {
-    const MediumId medium = MediumTowards(lane, wi.Get(lane));
-    if (scene_.media().IsOutside(medium)) return;
-    const Rgb transmittance = scene_.media().Transmittance(shadow.Get(lane), medium);
+    Ray way = shadows.rays.Get(lane);
+    if (way.t_max == path_detail::kShadowEnd) way.t_max = 1;
+    const Rgb transmittance = scene_.media().Transmittance(way, shadows.medium[lane]);
     contribution->Set(lane, contribution->Get(lane) * transmittance);
   });
 }

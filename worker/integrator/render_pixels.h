@@ -17,17 +17,16 @@ namespace strata {
 namespace render_detail {
 
 /// Samples that are kept until those before them, which may end later, are added.
-inline constexpr size_t kHeldSamples = 4096;
+inline constexpr size_t kHeldSamples = 8192;
 
 /// `time` is that of the camera ray.
-inline PixelValue ValueOf(const Renderer::State& job, const PathSample& sample, float weight,
-                          float time) {
-  PixelValue value;
-  value.color = sample.radiance * weight;
-  if (job.layout.plain == 0) return value;
+inline void SetValue(const Renderer::State& job, const PathSample& sample, float weight, float time,
+                     PixelValue* value) {
+  value->color = sample.radiance * weight;
+  if (job.layout.plain == 0) return;
   const ExtraChannels& channels = job.spec.channels;
   int n = 0;
-  const auto add = [&](float x) { value.plain[n++] = weight * x; };
+  const auto add = [&](float x) { value->plain[n++] = weight * x; };
   if (channels.alpha) add(sample.hit ? 1 : 0);
   if (channels.albedo) {
     add(sample.albedo.r);
@@ -40,7 +39,6 @@ inline PixelValue ValueOf(const Renderer::State& job, const PathSample& sample, 
     add(sample.normal.z);
   }
   if (channels.depth) add(sample.hit ? job.camera.Depth(sample.position, time) : 0);
-  return value;
 }
 
 /// Goes through the samples of pixels [pixel, end) of a unit: one pixel after the other, in each
@@ -133,7 +131,9 @@ void TraceOneByOne(const Renderer::State& job, TracedSamples<Sampler>& samples,
     const Ray ray = job.CameraRay(samples.x(), samples.y(), sampler, &weight);
     const PathSettings settings = job.SettingsAt(samples.x(), samples.y());
     const PathSample sample = PathTracer(*job.scene, settings, sampler, observer).Trace(ray);
-    held.push_back({ValueOf(job, sample, weight, ray.time), sample.rays});
+    HeldSample& to = held.emplace_back();
+    to.rays = sample.rays;
+    SetValue(job, sample, weight, ray.time, &to.value);
   }
 }
 
@@ -144,30 +144,44 @@ STRATA_CPU_CLONES [[gnu::flatten]] void TraceWith(const Renderer::State& job,
                                                   TracedSamples<Sampler>& samples,
                                                   std::vector<HeldSample>& held) {
   held.clear();
-  std::array<size_t, kLanes> place;
-  Vec2Lanes pixel;
-  FloatLanes weights = {}, times = {};
+  /// What is kept of a path's sample.
+  struct Begun {
+    size_t place = 0;  ///< In `held`.
+    float x = 0, y = 0, weight = 0, time = 0;
+  };
+  std::array<Begun, kPaths> begun;
   const bool same_roulette = job.spec.roulette != RouletteKind::kEfficiency;
   PathLanes<Sampler, kHas> lanes(*job.scene, job.SettingsAt(0, 0));
   lanes.Trace(
-      [&](int lane, SamplerLanes<Sampler>& samplers) {
+      [&](int path, SamplerLanes<Sampler>& samplers) {
         if (samples.AtEnd() || held.size() == kHeldSamples) return false;
         samples.Next();
-        samplers.StartSample(lane, samples.sampler(), samples.index());
-        if (!same_roulette) lanes.SetSureSurvival(lane, job.roulette.At(samples.x(), samples.y()));
-        pixel.x[lane] = static_cast<float>(samples.x());
-        pixel.y[lane] = static_cast<float>(samples.y());
-        place[lane] = held.size();
+        samplers.StartSample(path, samples.sampler(), samples.index());
+        if (!same_roulette) lanes.SetSureSurvival(path, job.roulette.At(samples.x(), samples.y()));
+        begun[path] = {held.size(), static_cast<float>(samples.x()),
+                       static_cast<float>(samples.y())};
         held.emplace_back();
         return true;
       },
-      [&](auto get, MaskLanes mask) {
-        const RayLanes starting = job.CameraRays(pixel, get, mask, &weights);
-        times = mask ? starting.time : times;
-        return starting;
+      [&](auto get, const PathBatch& batch) {
+        Vec2Lanes pixel;
+        ForEachLane(batch.mask, [&](int lane) {
+          pixel.x[lane] = begun[batch.path.at[lane]].x;
+          pixel.y[lane] = begun[batch.path.at[lane]].y;
+        });
+        FloatLanes weights = {};
+        const RayLanes rays = job.CameraRays(pixel, get, batch.mask, &weights);
+        ForEachLane(batch.mask, [&](int lane) {
+          begun[batch.path.at[lane]].weight = weights[lane];
+          begun[batch.path.at[lane]].time = rays.time[lane];
+        });
+        return rays;
       },
-      [&](int lane, const PathSample& sample) {
-        held[place[lane]] = {ValueOf(job, sample, weights[lane], times[lane]), sample.rays};
+      [&](int path, const PathSample& sample) {
+        const Begun& of = begun[path];
+        HeldSample& to = held[of.place];
+        to.rays = sample.rays;
+        SetValue(job, sample, of.weight, of.time, &to.value);
       });
 }
 
@@ -202,7 +216,9 @@ void SeeBackground(const Renderer::State& job, TracedSamples<Sampler>& samples,
       for (uint32_t light : lights.environments())
         sample.radiance += lights.EnvironmentLe(light, ray.origin, ray.direction);
     }
-    held.push_back({ValueOf(job, sample, weight, time), 1});
+    HeldSample& to = held.emplace_back();
+    to.rays = 1;
+    SetValue(job, sample, weight, time, &to.value);
   }
 }
 

@@ -104,7 +104,7 @@ class FlatLights {
     if (const auto* t = std::get_if<TriangleLight>(&light)) return row_of(*t, t->p0, -1, 0);
     const auto* q = std::get_if<QuadLight>(&light);
     if (!q) return {};
-    return row_of(*q, q->corner, 1 / q->length1, 1 / q->length2);
+    return row_of(*q, q->corner, q->scale1, q->scale2);
   }
 
   std::vector<Row> rows_;

@@ -85,11 +85,9 @@ std::optional<QuadLight> QuadOf(const Emitter& a, const Emitter& b, bool solid_a
   quad.pdf_area = 1 / (a.area + b.area);
   quad.radiance = a.radiance;
   quad.two_sided = a.two_sided;
-  quad.length1 = Length(quad.edge1);
-  quad.length2 = Length(quad.edge2);
-  quad.unit1 = quad.edge1 / quad.length1;
-  quad.unit2 = quad.edge2 / quad.length2;
-  const bool rectangle = AbsDot(quad.unit1, quad.unit2) <= 1e-6f;
+  quad.scale1 = 1 / Length(quad.edge1);
+  quad.scale2 = 1 / Length(quad.edge2);
+  const bool rectangle = AbsDot(quad.edge1 * quad.scale1, quad.edge2 * quad.scale2) <= 1e-6f;
   if (rectangle && solid_angle) quad.near2 = kNearDistance * kNearDistance * (a.area + b.area);
   return quad;
 }

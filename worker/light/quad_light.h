@@ -20,8 +20,7 @@ struct QuadLight {
   float pdf_area = 0;
   Rgb radiance;
   bool two_sided = false;
-  Vec3f unit1, unit2;  ///< Along the edges.
-  float length1 = 0, length2 = 0;
+  float scale1 = 0, scale2 = 0;  ///< By which the edges become unit vectors.
   float near2 = 0;  ///< Squared distance of the centre below which it is near; 0: never.
 };
 
@@ -37,7 +36,13 @@ inline bool IsNear(const QuadLight& light, Vec3f from) {
 }
 
 inline SphericalRectangle SeenFrom(const QuadLight& light, Vec3f from) {
-  return {light.corner, light.unit1, light.length1, light.unit2, light.length2, light.ng, from};
+  return {light.corner,
+          light.edge1 * light.scale1,
+          LengthSquared(light.edge1) * light.scale1,
+          light.edge2 * light.scale2,
+          LengthSquared(light.edge2) * light.scale2,
+          light.ng,
+          from};
 }
 
 }  // namespace quad_light_detail
