@@ -19,7 +19,8 @@ Box BoundsOf(const ShapeGroup& group) {
   Box box;
   for (const TriangleSet* set : {&group.triangles, &group.masked}) {
     for (const TriangleSet::Triangle& triangle : set->triangles) {
-      for (const uint32_t vertex : triangle.vertices) box.Include(ToDouble(set->vertices[vertex].p));
+      for (const uint32_t vertex : triangle.vertices)
+        box.Include(ToDouble(set->vertices[vertex].p));
     }
   }
   for (const CurvedShape& shape : group.curved) {
