@@ -15,7 +15,9 @@ struct SphericalRectangleOf {
 
   Float x0 = {}, y0 = {}, x1 = {}, y1 = {}, z0 = {};  ///< Of the corners; z0 is negative.
   Float b0 = {}, b1 = {}, k = {};
-  Float solid_angle = {};  ///< Within 1e-6; 0 or less: the point lies in the rectangle's plane.
+  /// Within 1e-6; some 1e-5 where it is seen edge-on, since angles are then told by cosines near 1.
+  /// 0 or less: the point lies in the rectangle's plane.
+  Float solid_angle = {};
 
   /// The rectangle at `corner` with edges along the unit vectors, which are orthogonal to each
   /// other and to `normal`.
