@@ -1,7 +1,6 @@
 #include <gtest/gtest.h>
 
 #include <deque>
-#include <vector>
 
 #include "tests/statistics/random.h"
 #include "worker/integrator/path_pool.h"

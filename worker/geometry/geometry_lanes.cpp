@@ -32,7 +32,7 @@ void SetRays(const RayLanes& from, RTCRay8* to) {
 
 /// PointOnTriangle, but for what only some materials ask for.
 STRATA_CPU_CLONES void PointsOnTriangles(const TriangleSet& set, const HitLanes& hits,
-                                         MaskLanes mask, SurfaceLanes* surface) {
+                                         MaskLanes mask, bool with_uv, SurfaceLanes* surface) {
   const auto bits = [](FloatLanes v) { return reinterpret_cast<IntLanes>(v); };
   const RowLanes triangle =
       GatherRows(reinterpret_cast<const float*>(set.triangles.data()), hits.primitive * 4, mask);
@@ -50,8 +50,8 @@ STRATA_CPU_CLONES void PointsOnTriangles(const TriangleSet& set, const HitLanes&
 
   static_assert(sizeof(TriangleSet::Vertex) == 8 * sizeof(float));
   const float* vertices = &set.vertices.front().p.x;
-  const LanePlaces at0 = PlacesOf(v0 * 8, mask), at1 = PlacesOf(v1 * 8, mask),
-                   at2 = PlacesOf(v2 * 8, mask);
+  const LanePlaces at0 = PlacesOf(v0 * 8 & mask), at1 = PlacesOf(v1 * 8 & mask),
+                   at2 = PlacesOf(v2 * 8 & mask);
   const auto vector = [](const RowLanes& row) { return Vec3Lanes{row.v[0], row.v[1], row.v[2]}; };
   const RowLanes p0_u0 = LoadRows(vertices, at0), p1_u1 = LoadRows(vertices, at1),
                  p2_u2 = LoadRows(vertices, at2);
@@ -82,7 +82,7 @@ STRATA_CPU_CLONES void PointsOnTriangles(const TriangleSet& set, const HitLanes&
   surface->offset = Dot(size, error);
 
   const MaskLanes smooth = mask & ((parts & Shape::kNormals) != 0),
-                  mapped = mask & ((parts & Shape::kUvs) != 0);
+                  mapped = with_uv ? mask & ((parts & Shape::kUvs) != 0) : MaskLanes{};
   surface->ns = ng;
   surface->uv = {hits.u + hits.v, hits.v};  // See TriangleUvs.
   if (!Any(smooth | mapped)) return;
@@ -136,11 +136,11 @@ MaskLanes Occluded(const Geometry& geometry, const RayLanes& rays, MaskLanes act
 }
 
 void FindSurfaces(const Geometry& geometry, const RayLanes& rays, const HitLanes& hits,
-                  MaskLanes hit, SurfaceLanes* surfaces) {
+                  MaskLanes hit, bool with_uv, SurfaceLanes* surfaces) {
   const MaskLanes triangles =
       hit & (hits.geometry == static_cast<int32_t>(kTriangleGeometry)) & (hits.instance == -1);
   if (Any(triangles))
-    PointsOnTriangles(geometry.state().world.triangles, hits, triangles, surfaces);
+    PointsOnTriangles(geometry.state().world.triangles, hits, triangles, with_uv, surfaces);
   ForEachLane(hit & ~triangles, [&](int lane) {
     surfaces->Set(lane, geometry.Surface(rays.Get(lane), hits.Get(lane)));
   });

@@ -39,7 +39,7 @@ struct SurfaceLanes {
   Vec3Lanes p, ng, ns;
   FloatLanes offset = {};  ///< How far off the surface rays start: |ng| . p_error.
   IntLanes material = {}, light = {};
-  Vec2Lanes uv;
+  Vec2Lanes uv;  ///< Where they are asked for.
 
   void Set(int lane, const SurfacePoint& point) {
     p.Set(lane, point.p);
@@ -60,9 +60,9 @@ MaskLanes Intersect(const Geometry& geometry, const RayLanes& rays, MaskLanes ac
 /// The lanes in `active` whose segment is blocked.
 MaskLanes Occluded(const Geometry& geometry, const RayLanes& rays, MaskLanes active);
 /// The points of the lanes in `hit`: triangles of the world itself without alpha masks side by
-/// side, all else one by one.
+/// side, all else one by one. `with_uv` asks for texture coordinates.
 void FindSurfaces(const Geometry& geometry, const RayLanes& rays, const HitLanes& hits,
-                  MaskLanes hit, SurfaceLanes* surfaces);
+                  MaskLanes hit, bool with_uv, SurfaceLanes* surfaces);
 
 /// OffsetRayOrigin for points whose |ng| . p_error is `distance`.
 inline Vec3Lanes OffsetRayOrigins(Vec3Lanes p, FloatLanes distance, Vec3Lanes ng, Vec3Lanes w) {

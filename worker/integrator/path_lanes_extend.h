@@ -68,7 +68,7 @@ inline void PathLanes<Sampler, kHas>::Extend(const PathBatch& batch) {
   MaskLanes going = found;
   if (Any(found)) {
     const MaskLanes at_surface = found & ~InMedium(found);
-    FindSurfaces(scene_.geometry(), ray_, hits_, at_surface, &surface_);
+    FindSurfaces(scene_.geometry(), ray_, hits_, at_surface, HasBaseTextures(), &surface_);
     ForEachLane(InMedium(found), [&](int lane) {
       surface_.Set(lane, path_detail::PointInMedium(ray_.Get(lane), hits_.t[lane]));
     });

@@ -58,22 +58,18 @@ struct alignas(16) PathState {
 
 /// Some paths, at most eight, that go through a stage side by side: the first lanes.
 struct PathBatch {
-  explicit PathBatch(IntLanes paths, MaskLanes lanes) : mask(lanes) {
-    constexpr int32_t kStride = sizeof(PathState) / sizeof(float);
-    ids = lanes ? paths : SameInt(kNoPath);
-    Store(ids, &path);
-    Store(ids * kStride, &state);
-  }
+  static constexpr int32_t kStride = sizeof(PathState) / sizeof(float);
+
+  PathBatch(IntLanes paths, MaskLanes lanes)
+      : ids(lanes ? paths : SameInt(kNoPath)),
+        mask(lanes),
+        path(PlacesOf(ids)),
+        state(PlacesOf(ids * kStride)) {}
 
   IntLanes ids;
   MaskLanes mask;
   LanePlaces path;   ///< ids
   LanePlaces state;  ///< Where their PathStates begin, in floats.
-
- private:
-  static void Store(IntLanes v, LanePlaces* to) {
-    _mm256_store_si256(reinterpret_cast<__m256i*>(to->at), reinterpret_cast<__m256i>(v));
-  }
 };
 
 /// The states of all paths.

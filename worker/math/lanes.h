@@ -127,18 +127,16 @@ inline void StoreRows(float* base, const LanePlaces& places, const RowLanes& row
   store(2, _mm256_shuffle_ps(xy_high, zw_high, 0x44));
   store(3, _mm256_shuffle_ps(xy_high, zw_high, 0xee));
 }
-/// `index` of each lane in `mask`, 0 of the others.
-inline LanePlaces PlacesOf(IntLanes index, MaskLanes mask) {
+inline LanePlaces PlacesOf(IntLanes index) {
   LanePlaces places;
-  _mm256_store_si256(reinterpret_cast<__m256i*>(places.at),
-                     reinterpret_cast<__m256i>(index & mask));
+  _mm256_store_si256(reinterpret_cast<__m256i*>(places.at), reinterpret_cast<__m256i>(index));
   // From memory: left to itself gcc 12 takes the vector apart in registers, which is slower.
   asm("" : "+m"(places.at));
   return places;
 }
 /// LoadRows at `index` for each lane in `mask`; the others read from `base` itself.
 inline RowLanes GatherRows(const float* base, IntLanes index, MaskLanes mask) {
-  return LoadRows(base, PlacesOf(index, mask));
+  return LoadRows(base, PlacesOf(index & mask));
 }
 
 struct Vec2Lanes {
