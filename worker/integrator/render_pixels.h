@@ -17,7 +17,7 @@ namespace strata {
 namespace render_detail {
 
 /// Samples that are kept until those before them, which may end later, are added.
-inline constexpr size_t kHeldSamples = 8192;
+inline constexpr size_t kHeldSamples = 4096;
 
 /// `time` is that of the camera ray.
 inline void SetValue(const Renderer::State& job, const PathSample& sample, float weight, float time,
