@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/embree_clock.h"
 #include "bench/raw_embree.h"
 #include "bench/scenes.h"
 #include "worker/integrator/render.h"
@@ -47,9 +48,9 @@ struct Row {
   Spread msamples, mrays;
   double rays_per_sample = 0;
   RawEmbreeRates raw;
-  RawEmbreeRates cast;    ///< As the kernel casts rays.
-  double outside_ns = 0;  ///< Thread time per ray that is not spent in casting it; see README.md.
-  double cast_share = 0;  ///< Part of the time that is.
+  RawEmbreeRates cast;  ///< As the kernel casts rays.
+  Spread outside_ns;    ///< Thread time per ray that is not spent in casting it; see README.md.
+  Spread cast_share;    ///< Part of the time that is.
 };
 
 absl::StatusOr<Row> Measure(const std::string& path, const Options& options) {
@@ -71,17 +72,19 @@ absl::StatusOr<Row> Measure(const std::string& path, const Options& options) {
   STRATA_ASSIGN_OR_RETURN(const auto renderer, Renderer::Create(scene, spec));
   RenderPool pool(options.threads);
   const double samples = static_cast<double>(spec.crop.Pixels()) * options.spp;
-  std::vector<double> msamples, mrays;
+  std::vector<double> msamples, mrays, embree_share;
   for (int i = 0; i < options.repeats; ++i) {
     const Clock::time_point start = Clock::now();
+    const EmbreeClock embree;
     STRATA_ASSIGN_OR_RETURN(
         const Partial partial,
         renderer->Render({{}, spec.crop, {{0, options.spp / kReplicates}}}, pool));
-    const double seconds = Since(start);
+    const double inside = embree.Seconds(), seconds = Since(start);
     double rays = 0;
     for (uint64_t r : partial.rays) rays += static_cast<double>(r);
     msamples.push_back(samples / seconds * 1e-6);
     mrays.push_back(rays / seconds * 1e-6);
+    embree_share.push_back(inside / (options.threads * seconds));
     row.rays_per_sample = rays / samples;
   }
   row.msamples = SpreadOf(msamples);
@@ -92,13 +95,19 @@ absl::StatusOr<Row> Measure(const std::string& path, const Options& options) {
   row.cast = options.kernel == KernelKind::kFast
                  ? MeasurePackets(scene->geometry(), rays, options.threads, options.raw_seconds)
                  : row.raw;
-  // Path rays are about as many of each kind as the recorded ones.
+  // Small scenes are cast without Embree: there it is what the recorded rays cost, of which there
+  // are about as many of each kind as of those of paths.
   const double closest = static_cast<double>(rays.closest.size());
   const double occlusion = static_cast<double>(rays.occlusion.size());
   const double cast_us =
       (closest / row.cast.closest + occlusion / row.cast.occlusion) / (closest + occlusion);
-  row.outside_ns = 1e3 * options.threads * (1 / row.mrays.median - cast_us);
-  row.cast_share = cast_us * row.mrays.median;
+  std::vector<double> share, outside;
+  for (size_t i = 0; i < mrays.size(); ++i) {
+    share.push_back(embree_share[i] > 0 ? embree_share[i] : cast_us * mrays[i]);
+    outside.push_back(1e3 * options.threads * (1 - share[i]) / mrays[i]);
+  }
+  row.cast_share = SpreadOf(share);
+  row.outside_ns = SpreadOf(outside);
   return row;
 }
 
@@ -115,8 +124,8 @@ nlohmann::json ToJson(const Row& row) {
           {"raw_occlusion_mrays_per_s", row.raw.occlusion},
           {"cast_closest_mrays_per_s", row.cast.closest},
           {"cast_occlusion_mrays_per_s", row.cast.occlusion},
-          {"outside_casting_ns_per_ray", row.outside_ns},
-          {"casting_share", row.cast_share}};
+          {"outside_casting_ns_per_ray", spread(row.outside_ns)},
+          {"casting_share", spread(row.cast_share)}};
 }
 
 /// The project's own scenes, then the shared ones: FOLDER/FILE.pbrt below either root.
@@ -173,8 +182,8 @@ int Main(int argc, char** argv) {
           "%6.0f%%\n",
           row->scene.c_str(), row->load_s, row->msamples.median, row->msamples.min,
           row->msamples.max, row->mrays.median, row->rays_per_sample, row->raw.closest,
-          row->raw.occlusion, row->cast.closest, row->cast.occlusion, row->outside_ns,
-          100 * row->cast_share);
+          row->raw.occlusion, row->cast.closest, row->cast.occlusion, row->outside_ns.median,
+          100 * row->cast_share.median);
     std::fflush(stdout);
   }
   return 0;

@@ -301,12 +301,18 @@ TEST(ChooseByWeight, GoesByTheWeightsAndTakesNothingOfNone) {
   }
 }
 
+SphericalRectangle RectangleSeenFrom(Vec3f corner, Vec3f edge1, Vec3f edge2, Vec3f from) {
+  const RectangleScales scales = ScalesOf(edge1, edge2);
+  return {corner,        edge1, scales.edge1, edge2, scales.edge2, Normalize(Cross(edge1, edge2)),
+          scales.length, from};
+}
+
 TEST(Inverses, OfSphericalShapes) {
   const SphericalTriangle triangle({1, 0, 0.1f}, {0.5f, 1, 0}, {0.2f, 0.1f, 1}, {0.1f, 0.1f, 0});
   ExpectInverse(
       "spherical triangle", [&](Vec2f u) { return triangle.Sample(u); },
       [&](Vec3f w) { return triangle.Invert(w); });
-  const SphericalRectangle rectangle({-1, -1, 1}, {1, 0, 0}, 3, {0, 1, 0}, 2, {0, 0, 1}, {});
+  const SphericalRectangle rectangle = RectangleSeenFrom({-1, -1, 1}, {3, 0, 0}, {0, 2, 0}, {});
   ExpectInverse(
       "spherical rectangle", [&](Vec2f u) { return rectangle.Sample(u); },
       [&](Vec2f p) { return rectangle.Invert(p); });
@@ -339,15 +345,44 @@ TEST(SphericalTriangle, SolidAnglesAreThoseOfClosedForms) {
 
 TEST(SphericalRectangle, ItsSolidAngleIsThatOfTwoTriangles) {
   const Vec3f corner = {-0.4f, 0.3f, 0.8f}, u = {1, 0, 0}, v = {0, 0.6f, 0.8f};
-  const Vec3f n = Cross(u, v), from = {0.1f, 0, 0.2f};
-  const SphericalRectangle rectangle(corner, u, 1.5f, v, 0.5f, n, from);
+  const Vec3f from = {0.1f, 0, 0.2f};
+  const SphericalRectangle rectangle = RectangleSeenFrom(corner, u * 1.5f, v * 0.5f, from);
   const Vec3f a = corner + u * 1.5f, b = corner + v * 0.5f, c = a + v * 0.5f;
   const double sum = SphericalTriangle(corner, a, b, from).solid_angle() +
                      SphericalTriangle(a, c, b, from).solid_angle();
-  EXPECT_NEAR(rectangle.solid_angle, sum, 2e-6);
+  EXPECT_NEAR(rectangle.solid_angle, sum, 1e-6);
   // A face of a cube from its centre is a sixth of the sphere.
-  const SphericalRectangle face({-1, -1, 1}, {1, 0, 0}, 2, {0, 1, 0}, 2, {0, 0, 1}, {});
-  EXPECT_NEAR(face.solid_angle, 4 * std::numbers::pi / 6, 2e-6);
+  const SphericalRectangle face = RectangleSeenFrom({-1, -1, 1}, {2, 0, 0}, {0, 2, 0}, {});
+  EXPECT_NEAR(face.solid_angle, 4 * std::numbers::pi / 6, 1e-6);
+}
+
+TEST(SphericalRectangle, ItsSolidAngleIsThatOfTheClosedFormFromAnywhere) {
+  // Rectangles with one corner before the point, added with their signs.
+  const auto closed_form = [](double x0, double x1, double y0, double y1, double z) {
+    const auto corner = [z](double x, double y) {
+      return Atan2(x * y, z * std::sqrt(x * x + y * y + z * z));
+    };
+    return corner(x1, y1) - corner(x0, y1) - corner(x1, y0) + corner(x0, y0);
+  };
+  TestRandom random(5);
+  const auto power = [&](double least, double most) {
+    return static_cast<float>(std::pow(10.0, least + (most - least) * random.Double()));
+  };
+  double worst = 0;
+  for (int i = 0; i < 100000; ++i) {
+    // Sizes of all kinds, long ones, points beside and before them and nearly in their planes.
+    const float size = power(-6, 6), stretch = power(-2, 2);
+    const float length1 = size * stretch, length2 = size / stretch;
+    const float x0 = length1 * (2 * random.Float() - 1.5f);
+    const float y0 = length2 * (2 * random.Float() - 1.5f);
+    const float z = size * power(-4, 0);
+    const SphericalRectangle rectangle =
+        RectangleSeenFrom({x0, y0, -z}, {length1, 0, 0}, {0, length2, 0}, {});
+    const double expected =
+        closed_form(rectangle.x0, rectangle.x1, rectangle.y0, rectangle.y1, -double{rectangle.z0});
+    worst = std::max(worst, std::abs(rectangle.solid_angle - expected));
+  }
+  EXPECT_LT(worst, 1e-6);
 }
 
 }  // namespace

@@ -189,7 +189,10 @@ PlaneCase SphericalRectangleCase() {
   const Vec3f corner = {-0.3f, 0.2f, 0.5f}, unit1 = {1, 0, 0}, unit2 = {0, 0.6f, 0.8f};
   const Vec3f n = Cross(unit1, unit2), from = {0.2f, 0.1f, 0.2f};
   constexpr float kLength1 = 1.5f, kLength2 = 0.7f;
-  const SphericalRectangle rectangle(corner, unit1, kLength1, unit2, kLength2, n, from);
+  const Vec3f edge1 = unit1 * kLength1, edge2 = unit2 * kLength2;
+  const RectangleScales scales = ScalesOf(edge1, edge2);
+  const SphericalRectangle rectangle(corner, edge1, scales.edge1, edge2, scales.edge2, n,
+                                     scales.length, from);
   return {.name = "SphericalRectangle",
           .sample = [=](TestRandom& random) -> std::optional<PlanePoint> {
             const Vec2f p = rectangle.Sample(random.Float2());

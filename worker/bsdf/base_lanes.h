@@ -19,6 +19,13 @@ struct BaseSearch {
   bool textures = false;  ///< textures.
 };
 
+/// BaseRow::flags of the lanes in `mask`.
+inline IntLanes FlagsOf(const MaterialSet& materials, IntLanes material, MaskLanes mask) {
+  constexpr int32_t kStride = sizeof(BaseRow) / sizeof(float);
+  const BaseRow* rows = materials.base_rows().data();
+  return AsInts(GatherRows(&rows->reflectance.r, material * kStride, mask).v[3]);
+}
+
 /// Of the lanes in `mask`. If textures are looked for, their look-ups are begun in `textured`.
 inline BaseLanes FindBases(const MaterialSet& materials, const TextureSet& textures,
                            const SurfaceLanes& surfaces, MaskLanes mask, BaseSearch search,

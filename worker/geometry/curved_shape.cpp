@@ -107,7 +107,8 @@ EmitterPoint SampleArea(const CurvedShape& shape, Vec2f u) {
       shape.surface);
   const double pdf = std::visit([&](const auto& s) { return PdfArea(s, local.p); }, shape.surface);
   const RoundedPoint rounded = ToGroup(shape.placement, local.p);
-  return {rounded.p, rounded.p_error, OuterNormal(shape, local.ng),
+  const Vec3f ng = OuterNormal(shape, local.ng);
+  return {rounded.p, ng, OffsetDistance(rounded.p, rounded.p_error, ng),
           static_cast<float>(pdf / shape.placement.AreaScale(local.ng))};
 }
 

@@ -8,13 +8,8 @@
 namespace strata {
 namespace {
 
-FloatLanes Fma(FloatLanes a, FloatLanes b, FloatLanes c) { return _mm256_fmadd_ps(a, b, c); }
 /// a * b - c
 FloatLanes Fms(FloatLanes a, FloatLanes b, FloatLanes c) { return _mm256_fmsub_ps(a, b, c); }
-
-FloatLanes FmaDot(Vec3Lanes a, Vec3f b) {
-  return Fma(a.x, SameFloat(b.x), Fma(a.y, SameFloat(b.y), a.z * b.z));
-}
 
 Vec3Lanes FmaCross(Vec3Lanes a, Vec3Lanes b) {
   return {Fms(a.y, b.z, a.z * b.y), Fms(a.z, b.x, a.x * b.z), Fms(a.x, b.y, a.y * b.x)};
@@ -35,12 +30,12 @@ struct FewTriangles::Test {
   Test(const Triangle& triangle, const RayLanes& rays) {
     const Vec3Lanes to_corner = SameVector(triangle.p0) - rays.origin;
     const Vec3Lanes moment = FmaCross(to_corner, rays.direction);
-    const FloatLanes facing = FmaDot(rays.direction, triangle.normal);
+    const FloatLanes facing = Dot(rays.direction, SameVector(triangle.normal));
     const IntLanes sign = reinterpret_cast<IntLanes>(facing) & static_cast<int32_t>(0x80000000);
     denominator = Abs(facing);
-    t = FlipSign(FmaDot(to_corner, triangle.normal), sign);
-    u = FlipSign(FmaDot(moment, triangle.e2), sign);
-    v = FlipSign(FmaDot(moment, triangle.minus_e1), sign);
+    t = FlipSign(Dot(to_corner, SameVector(triangle.normal)), sign);
+    u = FlipSign(Dot(moment, SameVector(triangle.e2)), sign);
+    v = FlipSign(Dot(moment, SameVector(triangle.minus_e1)), sign);
     inside = (u >= 0) & (v >= 0) & (u + v <= denominator) & (t > 0);
   }
 };

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <functional>
@@ -11,6 +10,7 @@
 #include <vector>
 
 #include "common/status.h"
+#include "worker/geometry/rounding.h"
 #include "worker/geometry/surface_uv.h"
 #include "worker/math/vec.h"
 #include "worker/scene/build_options.h"
@@ -101,7 +101,8 @@ struct FlatRectangle {
 
 /// A point chosen on an emitter.
 struct EmitterPoint {
-  Vec3f p, p_error, ng;
+  Vec3f p, ng;
+  float offset = 0;    ///< OffsetDistance
   float pdf_area = 0;  ///< Per unit of world area.
 };
 
@@ -163,23 +164,19 @@ class Geometry {
   bool has_alpha_ = false;
 };
 
-/// Where a ray that leaves `point` in direction `w` starts, so that it does not hit the surface it
-/// leaves: moved along ng by the error bound, to the side of w, and rounded away (PBRT 6.8.6).
-inline Vec3f OffsetRayOrigin(Vec3f p, Vec3f p_error, Vec3f ng, Vec3f w) {
-  const float distance = Dot(Abs(ng), p_error);
-  const Vec3f offset = ng * (Dot(w, ng) < 0 ? -distance : distance);
-  // One float further, away from p, wherever the sum was rounded.
-  const auto move = [](float from, float by) {
-    const float sum = from + by;
-    if (by == 0 || !std::isfinite(sum)) return sum;
-    const int32_t bits = std::bit_cast<int32_t>(sum);
-    if (sum == 0) return std::copysign(std::numeric_limits<float>::denorm_min(), by);
-    return std::bit_cast<float>((by > 0) == (sum > 0) ? bits + 1 : bits - 1);
-  };
-  return {move(p.x, offset.x), move(p.y, offset.y), move(p.z, offset.z)};
+/// How far along ng rays have to start from `p` that leave a surface there: by the error bound
+/// (PBRT 6.8.6) and by what rounding may bring the start nearer, so that it needs no directed
+/// rounding.
+inline float OffsetDistance(Vec3f p, Vec3f p_error, Vec3f ng) {
+  return Dot(Abs(ng), Fma(Abs(p), Gamma(1), p_error)) * (1 + Gamma(16));
+}
+/// Where a ray that leaves `p` in direction `w` starts, so that it does not hit the surface it
+/// leaves: OffsetDistance off it, on the side of w.
+inline Vec3f OffsetRayOrigin(Vec3f p, float distance, Vec3f ng, Vec3f w) {
+  return Fma(ng, Dot(w, ng) < 0 ? -distance : distance, p);
 }
 inline Vec3f OffsetRayOrigin(const SurfacePoint& point, Vec3f w) {
-  return OffsetRayOrigin(point.p, point.p_error, point.ng, w);
+  return OffsetRayOrigin(point.p, OffsetDistance(point.p, point.p_error, point.ng), point.ng, w);
 }
 
 }  // namespace strata

@@ -56,7 +56,7 @@ STRATA_CPU_CLONES void PointsOnTriangles(const TriangleSet& set, const HitLanes&
   const RowLanes p0_u0 = LoadRows(vertices, at0), p1_u1 = LoadRows(vertices, at1),
                  p2_u2 = LoadRows(vertices, at2);
   const Vec3Lanes p0 = vector(p0_u0), e1 = vector(p1_u1) - p0, e2 = vector(p2_u2) - p0;
-  const Vec3Lanes p = p0 + (hits.u * e1 + hits.v * e2);
+  const Vec3Lanes p = p0 + Fma(e1, hits.u, hits.v * e2);
 
   const Vec3Lanes cross = Cross(e1, e2);
   const FloatLanes length2 = LengthSquared(cross);
@@ -71,15 +71,16 @@ STRATA_CPU_CLONES void PointsOnTriangles(const TriangleSet& set, const HitLanes&
   const Vec3Lanes ng = Select(flipped, -normal, normal);
 
   const Vec3Lanes size1 = Abs(e1), size2 = Abs(e2), reach = size1 + size2;
-  const Vec3Lanes cross_terms = {size1.y * size2.z + size1.z * size2.y,
-                                 size1.z * size2.x + size1.x * size2.z,
-                                 size1.x * size2.y + size1.y * size2.x};
+  const Vec3Lanes cross_terms = {Fma(size1.y, size2.z, size1.z * size2.y),
+                                 Fma(size1.z, size2.x, size1.x * size2.z),
+                                 Fma(size1.x, size2.y, size1.y * size2.x)};
   const FloatLanes tilt = Gamma(3) * Dot(cross_terms, reach) * inverse;
   const Vec3Lanes size = Abs(ng);
-  const Vec3Lanes error = Abs(p) * SameFloat(Gamma(1)) + reach * SameFloat(Gamma(5)) + size * tilt;
+  const Vec3Lanes p_error =
+      Fma(Abs(p), SameFloat(Gamma(1)), Fma(reach, SameFloat(Gamma(5)), size * tilt));
   surface->p = p;
   surface->ng = ng;
-  surface->offset = Dot(size, error);
+  surface->offset = Dot(size, Fma(Abs(p), SameFloat(Gamma(1)), p_error)) * (1 + Gamma(16));
 
   const MaskLanes smooth = mask & ((parts & Shape::kNormals) != 0),
                   mapped = with_uv ? mask & ((parts & Shape::kUvs) != 0) : MaskLanes{};
@@ -90,14 +91,14 @@ STRATA_CPU_CLONES void PointsOnTriangles(const TriangleSet& set, const HitLanes&
                  n2_v2 = LoadRows(vertices + 4, at2);
   if (Any(smooth)) {
     const Vec3Lanes ns =
-        vector(n0_v0) * (1 - hits.u - hits.v) + (vector(n1_v1) * hits.u + vector(n2_v2) * hits.v);
+        Fma(vector(n0_v0), 1 - hits.u - hits.v, Fma(vector(n1_v1), hits.u, vector(n2_v2) * hits.v));
     const FloatLanes ns2 = LengthSquared(ns);
     const Vec3Lanes unit = ns * (1 / Sqrt(ns2));
     const MaskLanes usable = smooth & (ns2 > 1e-8f);
     surface->ns = Select(usable, Select(Dot(unit, ng) < 0, -unit, unit), ng);
   }
   const auto at = [&](FloatLanes c0, FloatLanes c1, FloatLanes c2) {
-    return c0 + (hits.u * (c1 - c0) + hits.v * (c2 - c0));
+    return c0 + Fma(hits.u, c1 - c0, hits.v * (c2 - c0));
   };
   surface->uv.x = mapped ? at(p0_u0.v[3], p1_u1.v[3], p2_u2.v[3]) : surface->uv.x;
   surface->uv.y = mapped ? at(n0_v0.v[3], n1_v1.v[3], n2_v2.v[3]) : surface->uv.y;

@@ -37,7 +37,7 @@ struct HitLanes {
 /// What every path asks of its SurfacePoints.
 struct SurfaceLanes {
   Vec3Lanes p, ng, ns;
-  FloatLanes offset = {};  ///< How far off the surface rays start: |ng| . p_error.
+  FloatLanes offset = {};  ///< OffsetDistance
   IntLanes material = {}, light = {};
   Vec2Lanes uv;  ///< Where they are asked for.
 
@@ -45,7 +45,7 @@ struct SurfaceLanes {
     p.Set(lane, point.p);
     ng.Set(lane, point.ng);
     ns.Set(lane, point.ns);
-    offset[lane] = Dot(Abs(point.ng), point.p_error);
+    offset[lane] = OffsetDistance(point.p, point.p_error, point.ng);
     material[lane] = point.material;
     light[lane] = point.light;
     uv.x[lane] = point.uv.x;
@@ -64,20 +64,8 @@ MaskLanes Occluded(const Geometry& geometry, const RayLanes& rays, MaskLanes act
 void FindSurfaces(const Geometry& geometry, const RayLanes& rays, const HitLanes& hits,
                   MaskLanes hit, bool with_uv, SurfaceLanes* surfaces);
 
-/// OffsetRayOrigin for points whose |ng| . p_error is `distance`.
 inline Vec3Lanes OffsetRayOrigins(Vec3Lanes p, FloatLanes distance, Vec3Lanes ng, Vec3Lanes w) {
-  const Vec3Lanes offset = ng * (Dot(w, ng) < 0 ? -distance : distance);
-  const auto move = [](FloatLanes from, FloatLanes by) {
-    constexpr float kInfinity = std::numeric_limits<float>::infinity();
-    const FloatLanes sum = from + by;
-    const IntLanes step = ((by > 0) == (sum > 0)) ? SameInt(1) : SameInt(-1);
-    const FloatLanes next = reinterpret_cast<FloatLanes>(reinterpret_cast<IntLanes>(sum) + step);
-    const FloatLanes least = by > 0 ? SameFloat(std::numeric_limits<float>::denorm_min())
-                                    : SameFloat(-std::numeric_limits<float>::denorm_min());
-    const FloatLanes moved = sum == 0 ? least : next;
-    return ((by == 0) | !(Abs(sum) < kInfinity)) ? sum : moved;
-  };
-  return {move(p.x, offset.x), move(p.y, offset.y), move(p.z, offset.z)};
+  return Fma(ng, Dot(w, ng) < 0 ? -distance : distance, p);
 }
 
 }  // namespace strata

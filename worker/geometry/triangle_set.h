@@ -74,7 +74,7 @@ struct TriangleUvs {
   Vec2f uv0, d1 = {1, 0}, d2 = {1, 1};  ///< pbrt's default: (0,0), (1,0), (1,1).
 
   Vec2f At(float u, float v) const {
-    return {uv0.x + (u * d1.x + v * d2.x), uv0.y + (u * d1.y + v * d2.y)};
+    return {uv0.x + Fma(u, d1.x, v * d2.x), uv0.y + Fma(u, d1.y, v * d2.y)};
   }
   float Determinant() const { return d1.x * d2.y - d1.y * d2.x; }
 };
@@ -115,7 +115,7 @@ inline SurfacePoint PointOnTriangle(const TriangleSet& set, uint32_t primitive, 
   point.material = shape.material;
   if (shape.first_light >= 0)
     point.light = shape.first_light + static_cast<int32_t>(primitive - shape.first_triangle);
-  point.p = p0 + (u * e1 + v * e2);
+  point.p = p0 + Fma(e1, u, v * e2);
 
   const Vec3f cross = Cross(e1, e2);
   const UnitVector normal = NormalizeAny(cross);
@@ -125,11 +125,11 @@ inline SurfacePoint PointOnTriangle(const TriangleSet& set, uint32_t primitive, 
   const Vec3f size1 = Abs(e1), size2 = Abs(e2);
   const Vec3f reach = size1 + size2;
   // Rounding of e1 x e2, relative to its length: large for slivers alone.
-  const Vec3f cross_terms = {size1.y * size2.z + size1.z * size2.y,
-                             size1.z * size2.x + size1.x * size2.z,
-                             size1.x * size2.y + size1.y * size2.x};
+  const Vec3f cross_terms = {Fma(size1.y, size2.z, size1.z * size2.y),
+                             Fma(size1.z, size2.x, size1.x * size2.z),
+                             Fma(size1.x, size2.y, size1.y * size2.x)};
   const float tilt = Gamma(3) * Dot(cross_terms, reach) * normal.inverse_length;
-  point.p_error = Gamma(1) * Abs(point.p) + Gamma(5) * reach + tilt * Abs(ng);
+  point.p_error = Fma(Abs(point.p), Gamma(1), Fma(reach, Gamma(5), tilt * Abs(ng)));
 
   const TriangleUvs uvs = UvsOf(set, triangle);
   point.uv = uvs.At(u, v);
@@ -140,7 +140,7 @@ inline SurfacePoint PointOnTriangle(const TriangleSet& set, uint32_t primitive, 
   }
 
   if (shape.Has(TriangleSet::Shape::kNormals)) {
-    const Vec3f ns = v0.n * (1 - u - v) + (v1.n * u + v2.n * v);
+    const Vec3f ns = Fma(v0.n, 1 - u - v, Fma(v1.n, u, v2.n * v));
     const float length2 = LengthSquared(ns);
     // Opposite vertex normals may cancel; what is left of unit vectors then has no direction.
     if (length2 > 1e-8f) {

@@ -241,6 +241,7 @@ class PathLanes {
   FloatLanes wo_z_ = {};
   LightReceiverLanes receiver_;
   LightSampleLanes light_;
+  FloatLanes root_sum_ = {};  ///< For the LightReceivers that vertices are for emission.
   ShadowQueue::Lanes shadow_;
   // How it scatters: as Lambert says, by reflectance_; by that under coat_; as glass; or by bsdf_.
   MaskLanes lambertian_ = {}, coated_ = {}, glass_ = {};

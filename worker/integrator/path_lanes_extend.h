@@ -21,13 +21,13 @@ inline bool PathLanes<Sampler, kHas>::Start(Next next, CameraRays rays) {
       },
       batch);
   const FloatLanes one = SameFloat(1);
-  const FloatLanes sure = states_.Load(offsetof(PathState, direction), batch).v[3];
-  states_.Store(offsetof(PathState, origin), batch, RowsOf(camera.origin, camera.time));
-  states_.Store(offsetof(PathState, direction), batch, RowsOf(camera.direction, sure));
+  const FloatLanes sure = states_.Load(offsetof(PathState, bsdf_pdf), batch).v[3];
+  states_.Store(offsetof(PathState, origin), batch, RowsOf(camera.origin));
+  states_.Store(offsetof(PathState, direction), batch, RowsOf(camera.direction, camera.time));
   states_.Store(offsetof(PathState, beta), batch, {{one, one, one, one}});
   states_.Store(offsetof(PathState, radiance), batch,
                 RowsOf(RgbLanes{}, AsFloats(SameInt(PathState::kSpecular))));
-  states_.Store(offsetof(PathState, bsdf_pdf), batch, RowsOf(RgbLanes{}, FloatLanes{}));
+  states_.Store(offsetof(PathState, bsdf_pdf), batch, RowsOf(RgbLanes{}, sure));
   if (HasMedia()) {
     const FloatLanes medium = AsFloats(SameInt(scene_.media().camera_medium()));
     states_.Store(offsetof(PathState, uv), batch,
@@ -50,15 +50,13 @@ inline void PathLanes<Sampler, kHas>::Extend(const PathBatch& batch) {
   const MaskLanes mask = batch.mask;
   // Emission comes after the light that is on its way to the vertex before.
   if (shadows_.size() > 0 && to_trace_.taken() > waiting_since_) ConnectWaiting();
-  const RowLanes origin = states_.Load(offsetof(PathState, origin), batch);
+  const RowLanes origin = states_.Load(offsetof(PathState, origin), batch),
+                 direction = states_.Load(offsetof(PathState, direction), batch);
   ray_.origin = VectorOf(origin);
-  ray_.time = origin.v[3];
-  ray_.direction = VectorOf(states_.Load(offsetof(PathState, direction), batch));
+  ray_.id = AsInts(origin.v[3]);
+  ray_.direction = VectorOf(direction);
+  ray_.time = direction.v[3];
   depth_ = AsInts(states_.Load(offsetof(PathState, bsdf_pdf), batch).v[1]);
-  if (HasAlpha())
-    ForEachLane(mask, [&](int lane) {
-      ray_.id[lane] = static_cast<int32_t>(states_[batch.path.at[lane]].ray_id);
-    });
   const MaskLanes met = Intersect(scene_.geometry(), ray_, mask, &hits_);
   MaskLanes arrived = mask;
   if (HasMedia()) arrived = Fly(batch, mask, met);
@@ -167,9 +165,7 @@ inline void PathLanes<Sampler, kHas>::Sort(const PathBatch& batch, MaskLanes mas
     to_shade_[kBare].Push(batch.ids, mask);
     return;
   }
-  const BaseRow* rows = scene_.materials().base_rows().data();
-  IntLanes flags = {};
-  ForEachLane(mask, [&](int lane) { flags[lane] = rows[surface_.material[lane]].flags; });
+  const IntLanes flags = FlagsOf(scene_.materials(), surface_.material, mask);
   const MaskLanes base = mask & ~InMedium(mask) & ((flags & BaseRow::kBase) != 0);
   const MaskLanes coat = base & ((flags & BaseRow::kCoat) != 0);
   const MaskLanes glass = mask & ~InMedium(mask) & ((flags & BaseRow::kGlass) != 0);

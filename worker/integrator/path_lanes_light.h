@@ -10,6 +10,7 @@ namespace strata {
 template <typename Sampler, uint32_t kHas>
 inline MaskLanes PathLanes<Sampler, kHas>::SampleLights(MaskLanes mask) {
   const LightSet& lights = scene_.lights();
+  root_sum_ = FloatLanes{};
   if (lights.empty()) return MaskLanes{};
   mask &= ~Glass(mask);
   ForEachLane(OtherMaterials(mask), [&](int lane) {
@@ -23,6 +24,7 @@ inline MaskLanes PathLanes<Sampler, kHas>::SampleLights(MaskLanes mask) {
     const LightSet::ChoiceLanes choice = lights.Select(receiver_, {u.x, u_select_.x}, mask);
     light = choice.light;
     probability = choice.probability;
+    root_sum_ = choice.root_sum;
     u.x = choice.u;
     mask &= probability > 0;
   }

@@ -41,15 +41,15 @@ inline void PathLanes<Sampler, kHas>::Load(const PathBatch& batch) {
                  scalars = states_.Load(offsetof(PathState, bsdf_pdf), batch),
                  p = states_.Load(offsetof(PathState, p), batch),
                  ng = states_.Load(offsetof(PathState, ng), batch);
-  ray_.time = states_.Load(offsetof(PathState, origin), batch).v[3];
   ray_.direction = VectorOf(direction);
-  sure_survival_ = direction.v[3];
+  ray_.time = direction.v[3];
   beta_ = ColorOf(beta);
   eta_scale_ = beta.v[3];
   radiance_ = ColorOf(radiance);
   to_lamp_ = (AsInts(radiance.v[3]) & PathState::kToLamp) != 0;
   depth_ = AsInts(scalars.v[1]);
   shadow_rays_ = AsInts(scalars.v[2]);
+  sure_survival_ = scalars.v[3];
   surface_.p = VectorOf(p);
   surface_.offset = p.v[3];
   surface_.ng = VectorOf(ng);
@@ -68,13 +68,13 @@ inline void PathLanes<Sampler, kHas>::Save(const PathBatch& batch) {
                    (receiver_.one_sided & PathState::kOneSided) |
                    (receiver_.in_medium & PathState::kInMedium);
   if (HasLampImages()) flags |= to_lamp_ & PathState::kToLamp;
-  states_.Store(offsetof(PathState, origin), batch, RowsOf(ray_.origin, ray_.time));
-  states_.Store(offsetof(PathState, direction), batch, RowsOf(ray_.direction, sure_survival_));
+  states_.Store(offsetof(PathState, origin), batch, RowsOf(ray_.origin, AsFloats(ray_.id)));
+  states_.Store(offsetof(PathState, direction), batch, RowsOf(ray_.direction, ray_.time));
   states_.Store(offsetof(PathState, beta), batch, RowsOf(beta_, eta_scale_));
   states_.Store(offsetof(PathState, radiance), batch, RowsOf(radiance_, AsFloats(flags)));
   states_.Store(offsetof(PathState, bsdf_pdf), batch,
-                {{bsdf_pdf_, AsFloats(depth_), AsFloats(shadow_rays_), AsFloats(ray_.id)}});
-  states_.Store(offsetof(PathState, n), batch, RowsOf(receiver_.n));
+                {{bsdf_pdf_, AsFloats(depth_), AsFloats(shadow_rays_), sure_survival_}});
+  states_.Store(offsetof(PathState, n), batch, RowsOf(receiver_.n, root_sum_));
   if (HasMedia())
     states_.Store(offsetof(PathState, uv), batch,
                   {{FloatLanes{}, FloatLanes{}, AsFloats(medium_), FloatLanes{}}});

@@ -29,30 +29,30 @@ struct alignas(16) PathState {
   // Of the vertex the ray left, as in LightReceiver.
   static constexpr int32_t kOneSided = 4, kInMedium = 8;
 
-  Vec3f origin;  ///< Of the ray.
-  float time = 0;
+  Vec3f origin;         ///< Of the ray.
+  uint32_t ray_id = 0;  ///< Where there are alpha masks.
   Vec3f direction;
-  float sure_survival = 0;  ///< PathSettings::sure_survival of its pixel.
-  Rgb beta;                 ///< Throughput so far.
+  float time = 0;
+  Rgb beta;  ///< Throughput so far.
   float eta_scale = 1;
   Rgb radiance;  ///< Found so far, but for shadow rays that wait.
   int32_t flags = 0;
   float bsdf_pdf = 0;  ///< Of the ray's direction.
   int32_t depth = 0, shadow_rays = 0;
-  uint32_t ray_id = 0;  ///< Where there are alpha masks.
+  float sure_survival = 0;  ///< PathSettings::sure_survival of its pixel.
   // The vertex: the one the ray left, then the one it came to.
   Vec3f p;
   float offset = 0;  ///< See SurfaceLanes.
   Vec3f ng;
   MaterialId material = 0;
-  Vec3f n;  ///< Of shading; of the vertex that was left, that of the LightReceiver.
-  float unused = 0;
+  Vec3f n;             ///< Of shading; of the vertex that was left, that of the LightReceiver.
+  float root_sum = 0;  ///< Of the LightReceiver too.
   Vec2f uv;
   MediumId medium = kNoMedium;  ///< That the ray is in.
   int32_t in_medium = 0;        ///< The vertex is a point of it.
 
   LightReceiver Previous() const {
-    return {p, n, (flags & kOneSided) != 0, (flags & kInMedium) != 0};
+    return {p, n, (flags & kOneSided) != 0, (flags & kInMedium) != 0, root_sum};
   }
 };
 

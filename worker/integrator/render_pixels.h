@@ -52,8 +52,8 @@ class SampleCursor {
 
   bool AtEnd() const { return pixel_ == end_; }
   int64_t pixel() const { return pixel_; }  ///< Row-major in the unit.
-  int x() const { return unit_.pixels.x0 + static_cast<int>(pixel_ % unit_.pixels.Width()); }
-  int y() const { return unit_.pixels.y0 + static_cast<int>(pixel_ / unit_.pixels.Width()); }
+  int x() const { return x_; }
+  int y() const { return y_; }
   uint32_t replicate() const { return replicate_; }
   uint32_t index() const { return index_; }
   bool FirstOfReplicate() const { return index_ == range_.begin; }
@@ -72,6 +72,8 @@ class SampleCursor {
   void StartPixel() {
     while (pixel_ < end_ && unit_.RangeOf(pixel_).Count() == 0) ++pixel_;
     if (AtEnd()) return;
+    x_ = unit_.pixels.x0 + static_cast<int>(pixel_ % unit_.pixels.Width());
+    y_ = unit_.pixels.y0 + static_cast<int>(pixel_ / unit_.pixels.Width());
     range_ = unit_.RangeOf(pixel_);
     replicate_ = 0;
     index_ = range_.begin;
@@ -79,6 +81,7 @@ class SampleCursor {
 
   const WorkUnit& unit_;
   int64_t pixel_, end_;
+  int x_ = 0, y_ = 0;
   SampleRange range_;
   uint32_t replicate_ = 0, index_ = 0;
 };

@@ -70,7 +70,7 @@ std::optional<EmittedRay> LeaveSurface(const X& light, const EmitterPoint& point
   const Vec3f local = SampleCosineHemisphere(u);
   if (!(local.z > 0 && point.pdf_area > 0)) return std::nullopt;
   const Vec3f w = Frame::FromNormal(emitted.ng).ToWorld(local);
-  emitted.ray = {OffsetRayOrigin(point.p, point.p_error, point.ng, w), w};
+  emitted.ray = {OffsetRayOrigin(point.p, point.offset, point.ng, w), w};
   emitted.radiance = light.radiance;
   emitted.cosine = local.z;
   emitted.pdf = {point.pdf_area, CosineHemispherePdf(local.z) * (light.two_sided ? 0.5f : 1)};
@@ -88,7 +88,7 @@ inline std::optional<EmittedRay> SampleLe(const TriangleLight& light, const Scen
                                           Vec2f u_point, Vec2f u_w) {
   const Vec2f b = SampleTriangle(u_point);
   const Vec3f p = light.p0 + light.edge1 * b.x + light.edge2 * b.y;
-  return emission_detail::LeaveSurface(light, {p, light.p_error, light.ng, light.pdf_area}, u_w);
+  return emission_detail::LeaveSurface(light, {p, light.ng, light.offset, light.pdf_area}, u_w);
 }
 inline LePdf PdfLe(const TriangleLight& light, const SceneSphere&, const Leaving& ray) {
   return {light.pdf_area, emission_detail::SurfaceDirectionPdf(light.two_sided, ray.ng, ray.w)};
@@ -100,7 +100,7 @@ inline Rgb Power(const TriangleLight& light, const SceneSphere&) {
 inline std::optional<EmittedRay> SampleLe(const QuadLight& light, const SceneSphere&, Vec2f u_point,
                                           Vec2f u_w) {
   const Vec3f p = light.corner + (light.edge1 * u_point.x + light.edge2 * u_point.y);
-  return emission_detail::LeaveSurface(light, {p, light.p_error, light.ng, light.pdf_area}, u_w);
+  return emission_detail::LeaveSurface(light, {p, light.ng, light.offset, light.pdf_area}, u_w);
 }
 inline LePdf PdfLe(const QuadLight& light, const SceneSphere&, const Leaving& ray) {
   return {light.pdf_area, emission_detail::SurfaceDirectionPdf(light.two_sided, ray.ng, ray.w)};
@@ -113,8 +113,8 @@ inline std::optional<EmittedRay> SampleLe(const SphereLight& light, const SceneS
                                           Vec2f u_point, Vec2f u_w) {
   using namespace sphere_light_detail;
   const Vec3f n = SampleUniformSphere(u_point);
-  const EmitterPoint point = {light.center + n * light.radius, PointError(light, n),
-                              OuterNormal(light, n), PdfArea(light)};
+  const EmitterPoint point = {light.center + n * light.radius, OuterNormal(light, n),
+                              PointOffset(light, n), PdfArea(light)};
   return emission_detail::LeaveSurface(light, point, u_w);
 }
 inline LePdf PdfLe(const SphereLight& light, const SceneSphere&, const Leaving& ray) {

@@ -53,13 +53,12 @@ class FlatLights {
     FloatLanes solid_angle = {};
     if (Any(near)) {
       const SphericalRectangleOf<FloatLanes> rectangle(
-          corner, edge1 * scale1, LengthSquared(edge1) * scale1, edge2 * scale2,
-          LengthSquared(edge2) * scale2, vector(ng_pdf), from);
+          corner, edge1, scale1, edge2, scale2, vector(ng_pdf), Sqrt(Abs(ng_pdf.v[3])), from);
       const Vec2Lanes parts = rectangle.Sample(u);
       u = {near ? parts.x : u.x, near ? parts.y : u.y};
       solid_angle = rectangle.solid_angle;
     }
-    const Vec3Lanes p = corner + (edge1 * u.x + edge2 * u.y);
+    const Vec3Lanes p = corner + Fma(edge1, u.x, edge2 * u.y);
     const Vec3Lanes ng = vector(ng_pdf);
     const Vec3Lanes to_light = p - from;
     const FloatLanes distance2 = LengthSquared(to_light);
@@ -84,8 +83,8 @@ class FlatLights {
   /// A vector and what else is asked of the light, in fours for GatherRows.
   struct Row {
     Quad corner_near2 = {};  ///< See QuadLight and TriangleLight.
-    /// And by what they become unit vectors. The first is negative in triangles, where neither is
-    /// asked for, and 0 if the light is none of those that are sampled here.
+    /// And their RectangleScales. The first is negative in triangles, where neither is asked for,
+    /// and 0 if the light is none of those that are sampled here.
     Quad edge1_scale = {}, edge2_scale = {};
     Quad ng_pdf = {};           ///< pdf_area, negative if it shines to both sides.
     Quad radiance_offset = {};  ///< Of points on it, for OffsetRayOrigins.
@@ -94,12 +93,11 @@ class FlatLights {
   static Quad With(Vec3f v, float last = 0) { return {v.x, v.y, v.z, last}; }
   static Row RowOf(const Light& light) {
     const auto row_of = [](const auto& l, Vec3f corner, float scale1, float scale2) {
-      return Row{
-          .corner_near2 = With(corner, l.near2),
-          .edge1_scale = With(l.edge1, scale1),
-          .edge2_scale = With(l.edge2, scale2),
-          .ng_pdf = With(l.ng, l.two_sided ? -l.pdf_area : l.pdf_area),
-          .radiance_offset = {l.radiance.r, l.radiance.g, l.radiance.b, Dot(Abs(l.ng), l.p_error)}};
+      return Row{.corner_near2 = With(corner, l.near2),
+                 .edge1_scale = With(l.edge1, scale1),
+                 .edge2_scale = With(l.edge2, scale2),
+                 .ng_pdf = With(l.ng, l.two_sided ? -l.pdf_area : l.pdf_area),
+                 .radiance_offset = {l.radiance.r, l.radiance.g, l.radiance.b, l.offset}};
     };
     if (const auto* t = std::get_if<TriangleLight>(&light)) return row_of(*t, t->p0, -1, 0);
     const auto* q = std::get_if<QuadLight>(&light);

@@ -10,6 +10,8 @@ struct LightReceiver {
   Vec3f n;                 ///< Unit shading normal; if one_sided, on the side that is seen.
   bool one_sided = false;  ///< Nothing passes through: light from behind n is in vain.
   bool in_medium = false;  ///< A point of a medium, which light reaches from anywhere alike; no n.
+  /// The sum of the weights at the light tree's root, where Select has found it; 0: not known.
+  float root_sum = 0;
 };
 
 /// Where a light, or a group of them, is and where it shines (Conty Estevez and Kulla 2018, with

@@ -19,12 +19,14 @@ inline constexpr float kLeastDistance2 = 1e-36f, kMostDistance2 = 1e36f, kLeastW
 
 template <typename Floats>
 struct LightGroupOf {
-  Floats x = {}, y = {}, z = {};            ///< Centres.
-  Floats radius = {}, inverse_radius = {};  ///< Of spheres around what is there.
+  Floats x = {}, y = {}, z = {};     ///< Centres.
+  Floats radius = {}, radius2 = {};  ///< Of spheres around what is there; squared.
+  Floats quarter_inverse = {};       ///< 1 / (4 radius)
   Floats axis_x = {}, axis_y = {}, axis_z = {};
   Floats cos_spread = {}, sin_spread = {};
   Floats least_facing = {};  ///< Cosine off the cone below which all is dark; or kTwoSided.
   Floats intensity = {};     ///< 0: nothing there.
+  Floats inside = {};        ///< intensity / radius^2, the weight within the sphere.
 };
 
 struct LightGroup : LightGroupOf<Floats4> {
@@ -43,7 +45,9 @@ struct LightGroup : LightGroupOf<Floats4> {
     // A little more, for the roundings.
     radius[place] = std::sqrt(
         std::min(1.001f * LengthSquared((bounds.max - bounds.min) * 0.5f), kMostDistance2));
-    inverse_radius[place] = 1 / radius[place];
+    radius2[place] = radius[place] * radius[place];
+    const float inverse = 1 / radius[place];
+    quarter_inverse[place] = 0.25f * inverse;
     axis_x[place] = bounds.axis.x;
     axis_y[place] = bounds.axis.y;
     axis_z[place] = bounds.axis.z;
@@ -51,12 +55,14 @@ struct LightGroup : LightGroupOf<Floats4> {
     sin_spread[place] = std::sqrt(std::max(0.0f, 1 - bounds.cos_spread * bounds.cos_spread));
     least_facing[place] = bounds.two_sided ? kTwoSided : bounds.cos_emit - kSlack;
     intensity[place] = bounds.intensity;
+    inside[place] = bounds.intensity * (inverse * inverse);
     lights[place] = count;
   }
 };
 
 namespace light_group_detail {
 
+using strata::Fma;
 using strata::Max;
 using strata::Min;
 using strata::Sqrt;
@@ -67,18 +73,19 @@ template <typename Floats>
 Floats Abs(Floats v) {
   return Max(v, -v);
 }
-/// How much of a Lambertian's cosine there is on average over what fills a sphere of `radius` at
-/// `distance`, times the distance; `along` is that of the sphere's centre. 0 where all cosines are
-/// below `least`. `steep` is radius^2 / distance^2.
+/// How much of a Lambertian's cosine there is on average over what fills the group's sphere at some
+/// distance, times the distance; `along` is that of the sphere's centre. 0 where it is below
+/// `least` all over the sphere, else no less than `slack`. `steep` is radius^2 / distance^2.
 template <typename Floats>
-Floats Facing(Floats along, Floats radius, Floats inverse_radius, Floats distance, Floats steep,
-              Floats least) {
-  const Floats above = along + radius;
+Floats Facing(Floats along, const LightGroupOf<Floats>& group, Floats steep, Floats least,
+              Floats slack) {
+  const Floats above = along + group.radius;
   // At least distance cos(max(0, acos(along / distance) - asin(radius / distance))).
-  const Floats largest = above + Max(Floats{}, -along) * steep;
+  const Floats largest = Fma(Max(Floats{}, -along), steep, above);
   // By Min even where the radius is 0 and its inverse is not finite.
-  const Floats mean = along < radius ? Min(radius, 0.25f * above * above * inverse_radius) : along;
-  return largest < least * distance ? Floats{} : Max(mean, LightGroup::kSlack * distance);
+  const Floats mean =
+      along < group.radius ? Min(group.radius, above * above * group.quarter_inverse) : along;
+  return largest < least ? Floats{} : Max(mean, slack);
 }
 
 /// Points of LightReceivers, each beside the lights it is weighed for.
@@ -101,32 +108,29 @@ template <typename Floats>
   const auto all = [](float v) { return Floats{} + v; };
   const Floats x = point.x - group.x, y = point.y - group.y, z = point.z - group.z;
   const Floats distance2 =
-      Min(Max(x * x + y * y + z * z, all(kLeastDistance2)), all(kMostDistance2));
+      Min(Max(Fma(x, x, Fma(y, y, z * z)), all(kLeastDistance2)), all(kMostDistance2));
   const Floats inverse2 = 1 / distance2, distance = Sqrt(distance2);
-  const Floats radius2 = group.radius * group.radius, steep = radius2 * inverse2;
+  const Floats steep = group.radius2 * inverse2, slack = LightGroup::kSlack * distance;
 
-  Floats along = group.axis_x * x + group.axis_y * y + group.axis_z * z;
+  Floats along = Fma(group.axis_x, x, Fma(group.axis_y, y, group.axis_z * z));
   if (kinds.two_sided) along = group.least_facing > LightGroup::kTwoSided ? along : Abs(along);
   if (kinds.cones) {
-    const Floats off_axis = Sqrt(Max(Floats{}, distance2 - along * along));
+    const Floats off_axis = Sqrt(Max(Floats{}, Fma(-along, along, distance2)));
     along = along > group.cos_spread * distance
                 ? distance
-                : along * group.cos_spread + off_axis * group.sin_spread;
+                : Fma(along, group.cos_spread, off_axis * group.sin_spread);
   }
-  const Floats facing =
-      Facing(along, group.radius, group.inverse_radius, distance, steep, group.least_facing);
+  const Floats facing = Facing(along, group, steep, group.least_facing * distance, slack);
 
-  Floats incident = -(point.n_x * x + point.n_y * y + point.n_z * z);
+  Floats incident = -Fma(point.n_x, x, Fma(point.n_y, y, point.n_z * z));
   if (kinds.lit_from_behind) {
     incident = point.one_sided < 0 ? incident : Abs(incident);
     incident = point.one_sided == 0 ? distance : incident;
   }
-  const Floats lit = Facing(incident, group.radius, group.inverse_radius, distance, steep,
-                            all(-LightGroup::kSlack));
+  const Floats lit = Facing(incident, group, steep, -slack, slack);
   const Floats outside = group.intensity * (facing * inverse2) * (lit * inverse2);
-  const auto within = radius2 >= distance2;
-  const Floats weight =
-      within ? group.intensity * (group.inverse_radius * group.inverse_radius) : outside;
+  const auto within = group.radius2 >= distance2;
+  const Floats weight = within ? group.inside : outside;
   const auto seen = within | (Min(facing, lit) > 0);
   const Floats least = Max(weight, all(kLeastWeight));
   if (!kinds.nothing) return seen ? least : Floats{};
@@ -164,18 +168,12 @@ inline FloatLanes Importance(const LightGroup& group, int place, const PointLane
   const auto all = [&](const Floats4& values) {
     return SameFloat(reinterpret_cast<const float*>(&values)[place]);
   };
-  const LightGroupOf<FloatLanes> light = {all(group.x),
-                                          all(group.y),
-                                          all(group.z),
-                                          all(group.radius),
-                                          all(group.inverse_radius),
-                                          all(group.axis_x),
-                                          all(group.axis_y),
-                                          all(group.axis_z),
-                                          all(group.cos_spread),
-                                          all(group.sin_spread),
-                                          all(group.least_facing),
-                                          all(group.intensity)};
+  const LightGroupOf<FloatLanes> light = {
+      all(group.x),          all(group.y),          all(group.z),
+      all(group.radius),     all(group.radius2),    all(group.quarter_inverse),
+      all(group.axis_x),     all(group.axis_y),     all(group.axis_z),
+      all(group.cos_spread), all(group.sin_spread), all(group.least_facing),
+      all(group.intensity),  all(group.inside)};
   return light_group_detail::Importance<FloatLanes>(
       light, points,
       {.cones = group.cos_spread[place] < 1,
@@ -191,18 +189,12 @@ inline FloatLanes Importance(const LightGroup& first_group, const LightGroup& se
   const auto both = [&](const Floats4 Group::*member) -> FloatLanes {
     return _mm256_set_m128(second_group.*member, first_group.*member);
   };
-  const LightGroupOf<FloatLanes> groups = {both(&Group::x),
-                                           both(&Group::y),
-                                           both(&Group::z),
-                                           both(&Group::radius),
-                                           both(&Group::inverse_radius),
-                                           both(&Group::axis_x),
-                                           both(&Group::axis_y),
-                                           both(&Group::axis_z),
-                                           both(&Group::cos_spread),
-                                           both(&Group::sin_spread),
-                                           both(&Group::least_facing),
-                                           both(&Group::intensity)};
+  const LightGroupOf<FloatLanes> groups = {
+      both(&Group::x),          both(&Group::y),          both(&Group::z),
+      both(&Group::radius),     both(&Group::radius2),    both(&Group::quarter_inverse),
+      both(&Group::axis_x),     both(&Group::axis_y),     both(&Group::axis_z),
+      both(&Group::cos_spread), both(&Group::sin_spread), both(&Group::least_facing),
+      both(&Group::intensity),  both(&Group::inside)};
   return light_group_detail::Importance<FloatLanes>(groups, points);
 }
 

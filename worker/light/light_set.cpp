@@ -222,6 +222,7 @@ STRATA_CPU_CLONES LightSet::ChoiceLanes LightSet::Select(const LightReceiverLane
     }
     choices.probability = leaves.probability * static_cast<float>(groups_[0].probability);
     choices.u = Min(leaves.u, SameFloat(kBelowOne));
+    choices.root_sum = leaves.root_sum;
   }
   ForEachLane(mask & ~in_tree, [&](int lane) {
     const Choice choice = ChoiceOf(*groups[lane], rest.Get(lane), nullptr);

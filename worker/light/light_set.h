@@ -49,6 +49,7 @@ class LightSet {
   struct ChoiceLanes {
     IntLanes light = {};
     FloatLanes probability = {}, u = {};
+    FloatLanes root_sum = {};  ///< For LightReceiver, where a light of the tree was chosen.
   };
   ChoiceLanes Select(const LightReceiverLanes& receivers, Vec2Lanes u, MaskLanes mask) const;
   bool SelectNeedsLowBits() const { return lights_.size() > 1; }

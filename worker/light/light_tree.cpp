@@ -73,6 +73,7 @@ struct StepLanes {
   IntLanes place;
   FloatLanes probability;
   DoubleLanes u;
+  FloatLanes total;  ///< Of the weights.
 };
 StepLanes PickOne(const DoubleLanes& u, const FloatLanes* weights, int places) {
   DoubleLanes x;
@@ -81,8 +82,10 @@ StepLanes PickOne(const DoubleLanes& u, const FloatLanes* weights, int places) {
     for (int half = 0; half < 2; ++half) x.half[half] = u.half[half] * wide.half[half];
     return ToFloatLanes(x);
   });
-  StepLanes step = {
-      ToInt(picked.place), picked.weight > 0 ? picked.weight / picked.total : FloatLanes{}, {}};
+  StepLanes step = {ToInt(picked.place),
+                    picked.weight > 0 ? picked.weight / picked.total : FloatLanes{},
+                    {},
+                    picked.total};
   const DoubleLanes start = ToDoubleLanes(picked.start), weight = ToDoubleLanes(picked.weight);
   for (int half = 0; half < 2; ++half)
     step.u.half[half] =
@@ -123,8 +126,14 @@ Real LightTree::WithEvenChoices(Real tree) const {
 float LightTree::TreeProbability(uint32_t index, const LightReceiver& receiver) const {
   uint64_t trail = trails_[index];
   uint32_t place = trail % kRootPlaces;
-  float probability = Share(WeighRoot(receiver).data(), root_places_, place);
   const Node* node = &nodes_[place / 4];
+  float probability;
+  if (receiver.root_sum > 0) {
+    const Floats4 weights = Importance(node->group, receiver);
+    probability = weights[place % 4] / receiver.root_sum;
+  } else {
+    probability = Share(WeighRoot(receiver).data(), root_places_, place);
+  }
   place %= 4;
   for (trail /= kRootPlaces; probability > 0 && node->group.lights[place] != 1; trail /= 4) {
     node = &nodes_[node->child[place]];
@@ -210,6 +219,7 @@ STRATA_CPU_CLONES LightTree::ChoiceLanes LightTree::Select(const LightReceiverLa
   const StepLanes step = PickOne(stretched, root.data(), root_places_);
   const MaskLanes found = mask & (step.probability > 0);
   choices.u = ToFloatLanes(step.u);
+  choices.root_sum = mask ? step.total : FloatLanes{};
   choices.probability = found ? WithEvenChoices(step.probability) : FloatLanes{};
   const IntLanes below = LookUp(root_children_, step.place);
   choices.index = (found & (below >= 0)) ? below : IntLanes{};

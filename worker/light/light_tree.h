@@ -30,6 +30,7 @@ class LightTree {
   struct ChoiceLanes {
     IntLanes index = {};
     FloatLanes probability = {}, u = {};
+    FloatLanes root_sum = {};  ///< For LightReceiver; 0 outside the mask.
   };
   /// Select for each lane in `mask`.
   ChoiceLanes Select(const LightReceiverLanes& receivers, const DoubleLanes& u,

@@ -13,7 +13,9 @@
 namespace strata {
 namespace {
 
-constexpr float kPointRounding = 6 * 0x1p-24f;  // gamma(6) of PBRT 6.8.1.
+/// Of points on triangles and parallelograms, over the sum of their corners (gamma(6) of
+/// PBRT 6.8.1), and of where rays start off them.
+constexpr float kPointRounding = Gamma(7);
 
 /// Distances, in roots of its area, up to which a triangle or rectangle is sampled by solid angle:
 /// beyond, the density per area hardly varies, and it costs more than it gains.
@@ -27,7 +29,7 @@ SurfaceLight LightOf(const Emitter& emitter, const Geometry& geometry,
                          triangle->p1 - triangle->p0,
                          triangle->p2 - triangle->p0,
                          triangle->ng,
-                         bound * kPointRounding,
+                         Dot(Abs(triangle->ng), bound) * kPointRounding,
                          1 / emitter.area,
                          emitter.radiance,
                          emitter.two_sided,
@@ -81,13 +83,14 @@ std::optional<QuadLight> QuadOf(const Emitter& a, const Emitter& b, bool solid_a
   QuadLight quad = {shape->corner, shape->edge1, shape->edge2, first->ng};
   // The surface itself may lie off the parallelogram by as much as its fourth corner does.
   const Vec3f ends = Abs(quad.corner + quad.edge1) + Abs(quad.corner + quad.edge2);
-  quad.p_error = (Abs(quad.corner) + ends) * kPointRounding + Abs(shape->off);
+  quad.offset = Dot(Abs(quad.ng), (Abs(quad.corner) + ends) * kPointRounding + Abs(shape->off));
   quad.pdf_area = 1 / (a.area + b.area);
   quad.radiance = a.radiance;
   quad.two_sided = a.two_sided;
-  quad.scale1 = 1 / Length(quad.edge1);
-  quad.scale2 = 1 / Length(quad.edge2);
-  const bool rectangle = AbsDot(quad.edge1 * quad.scale1, quad.edge2 * quad.scale2) <= 1e-6f;
+  const RectangleScales scales = ScalesOf(quad.edge1, quad.edge2);
+  quad.scale1 = scales.edge1;
+  quad.scale2 = scales.edge2;
+  const bool rectangle = AbsDot(Normalize(quad.edge1), Normalize(quad.edge2)) <= 1e-6f;
   if (rectangle && solid_angle) quad.near2 = kNearDistance * kNearDistance * (a.area + b.area);
   return quad;
 }

@@ -15,12 +15,12 @@ namespace strata {
 /// (PBRT 6.6.2), anything else uniformly by area.
 struct QuadLight {
   Vec3f corner, edge1, edge2;
-  Vec3f ng;       ///< Unit, of the emitting side.
-  Vec3f p_error;  ///< Bounds the rounding error of any sampled point (PBRT 6.8.5).
+  Vec3f ng;          ///< Unit, of the emitting side.
+  float offset = 0;  ///< OffsetDistance of any sampled point.
   float pdf_area = 0;
   Rgb radiance;
   bool two_sided = false;
-  float scale1 = 0, scale2 = 0;  ///< By which the edges become unit vectors.
+  float scale1 = 0, scale2 = 0;  ///< The edges' RectangleScales.
   float near2 = 0;  ///< Squared distance of the centre below which it is near; 0: never.
 };
 
@@ -37,11 +37,12 @@ inline bool IsNear(const QuadLight& light, Vec3f from) {
 
 inline SphericalRectangle SeenFrom(const QuadLight& light, Vec3f from) {
   return {light.corner,
-          light.edge1 * light.scale1,
-          LengthSquared(light.edge1) * light.scale1,
-          light.edge2 * light.scale2,
-          LengthSquared(light.edge2) * light.scale2,
+          light.edge1,
+          light.scale1,
+          light.edge2,
+          light.scale2,
           light.ng,
+          std::sqrt(light.pdf_area),
           from};
 }
 
@@ -63,7 +64,7 @@ inline std::optional<LightSample> SampleLi(const QuadLight& light, Vec3f from, V
     u = rectangle.Sample(u);
     sample.pdf = 1 / rectangle.solid_angle;
   }
-  const Vec3f p = light.corner + (light.edge1 * u.x + light.edge2 * u.y);
+  const Vec3f p = light.corner + Fma(light.edge1, u.x, light.edge2 * u.y);
   const Vec3f to_light = p - from;
   const float distance2 = LengthSquared(to_light);
   if (!(distance2 > 0)) return std::nullopt;
@@ -72,7 +73,7 @@ inline std::optional<LightSample> SampleLi(const QuadLight& light, Vec3f from, V
   if (sample.pdf == 0)
     sample.pdf = AreaToSolidAngle(light.pdf_area, light.ng, sample.wi, distance2);
   if (!(sample.pdf > 0) || IsBlack(sample.radiance)) return std::nullopt;
-  sample.end = OffsetRayOrigin(p, light.p_error, light.ng, -to_light);
+  sample.end = OffsetRayOrigin(p, light.offset, light.ng, -to_light);
   return sample;
 }
 

@@ -36,7 +36,7 @@ inline std::optional<LightSample> SampleLi(const ShapeLight& light, Vec3f from, 
   sample.radiance = Le(light, point.ng, -sample.wi);
   sample.pdf = AreaToSolidAngle(point.pdf_area, point.ng, sample.wi, distance2);
   if (!(sample.pdf > 0) || IsBlack(sample.radiance)) return std::nullopt;
-  sample.end = OffsetRayOrigin(point.p, point.p_error, point.ng, -to_light);
+  sample.end = OffsetRayOrigin(point.p, point.offset, point.ng, -to_light);
   return sample;
 }
 

@@ -26,9 +26,9 @@ inline Rgb Le(const SphereLight& light, Vec3f ng, Vec3f wo) {
 
 namespace sphere_light_detail {
 
-/// Bounds the rounding of a point that is computed as center + n * radius (PBRT 6.8.1).
-inline Vec3f PointError(const SphereLight& light, Vec3f n) {
-  return (Abs(light.center) + Abs(n) * light.radius) * (6 * 0x1p-24f);
+/// OffsetDistance of a point that is computed as center + n * radius.
+inline float PointOffset(const SphereLight& light, Vec3f n) {
+  return Dot(Abs(n), Abs(light.center) + Abs(n) * light.radius) * Gamma(7);
 }
 
 /// A point on the sphere may round to either side of it, so the cone keeps a distance from points
@@ -58,7 +58,7 @@ inline std::optional<LightSample> SampleByArea(const SphereLight& light, Vec3f f
   sample.radiance = Le(light, ng, -sample.wi);
   sample.pdf = AreaToSolidAngle(PdfArea(light), ng, sample.wi, distance2);
   if (!(sample.pdf > 0) || IsBlack(sample.radiance)) return std::nullopt;
-  sample.end = OffsetRayOrigin(p, PointError(light, n), n, -to_light);
+  sample.end = OffsetRayOrigin(p, PointOffset(light, n), n, -to_light);
   return sample;
 }
 
@@ -94,7 +94,7 @@ inline std::optional<LightSample> SampleLi(const SphereLight& light, Vec3f from,
   // the rounding of the direction moves the point by a part of the radius.
   sample.radiance = light.radiance;
   const Vec3f p = light.center + n * light.radius;
-  sample.end = OffsetRayOrigin(p, sphere_light_detail::PointError(light, n), n, -sample.wi);
+  sample.end = OffsetRayOrigin(p, sphere_light_detail::PointOffset(light, n), n, -sample.wi);
   return sample;
 }
 

@@ -14,8 +14,8 @@ namespace strata {
 /// solid angle it fills where it is near (PBRT 6.5.4), by area where it is not.
 struct TriangleLight {
   Vec3f p0, edge1, edge2;
-  Vec3f ng;       ///< Unit, of the emitting side.
-  Vec3f p_error;  ///< Bounds the rounding error of any sampled point (PBRT 6.8.5).
+  Vec3f ng;          ///< Unit, of the emitting side.
+  float offset = 0;  ///< OffsetDistance of any sampled point.
   float pdf_area = 0;
   Rgb radiance;
   bool two_sided = false;
@@ -62,7 +62,7 @@ inline std::optional<LightSample> SampleLi(const TriangleLight& light, Vec3f fro
   LightSample sample;
   const std::optional<SphericalTriangle> near = triangle_light_detail::SeenFrom(light, from);
   const Vec2f b = near ? near->WeightsOf(near->Sample(u)) : SampleTriangle(u);
-  const Vec3f p = light.p0 + light.edge1 * b.x + light.edge2 * b.y;
+  const Vec3f p = light.p0 + Fma(light.edge1, b.x, light.edge2 * b.y);
   const Vec3f to_light = p - from;
   const float distance2 = LengthSquared(to_light);
   if (!(distance2 > 0)) return std::nullopt;
@@ -71,7 +71,7 @@ inline std::optional<LightSample> SampleLi(const TriangleLight& light, Vec3f fro
   sample.pdf =
       near ? near->Pdf() : AreaToSolidAngle(light.pdf_area, light.ng, sample.wi, distance2);
   if (!(sample.pdf > 0) || IsBlack(sample.radiance)) return std::nullopt;
-  sample.end = OffsetRayOrigin(p, light.p_error, light.ng, -to_light);
+  sample.end = OffsetRayOrigin(p, light.offset, light.ng, -to_light);
   return sample;
 }
 

@@ -6,6 +6,8 @@
 #include <limits>
 #include <numbers>
 
+#include "worker/math/lanes.h"
+
 // Elementary functions whose bits depend on IEEE arithmetic alone, never on a libm version.
 //
 // The float ones serve the kernel: inline, no tables, almost no branches. The double ones serve
@@ -21,6 +23,10 @@ namespace strata {
 inline constexpr float kPi = std::numbers::pi_v<float>;
 inline constexpr float kInvPi = std::numbers::inv_pi_v<float>;
 
+inline double Fma(double a, double b, double c) { return std::fma(a, b, c); }
+/// Rounded twice: the 80-bit format has no such instruction.
+inline long double Fma(long double a, long double b, long double c) { return a * b + c; }
+
 template <typename T>
 struct SinCosResult {
   T sin, cos;
@@ -30,9 +36,9 @@ namespace elementary_detail {
 
 /// c[0] + c[1] x + ... by Horner's rule, unrolled by the compiler; for one x or for eight.
 template <typename T, typename Coefficient, int N>
-constexpr T Horner(T x, const Coefficient (&c)[N]) {
+T Horner(T x, const Coefficient (&c)[N]) {
   T sum = T{} + c[N - 1];
-  for (int i = N - 2; i >= 0; --i) sum = sum * x + c[i];
+  for (int i = N - 2; i >= 0; --i) sum = Fma(sum, x, T{} + c[i]);
   return sum;
 }
 
@@ -46,6 +52,8 @@ inline constexpr float kExpSlope[] = {0.9999999999f,   0.4999999702f,   0.166665
                                       4.166750237e-2f, 8.366866969e-3f, 1.38648018e-3f};
 inline constexpr float kAsin[] = {0.1666667312f, 7.498791814e-2f, 4.50130291e-2f, 2.64825039e-2f,
                                   3.82265188e-2f};
+inline constexpr float kAtan[] = {-0.3333333135f, 0.1999951154f, -0.14263390f, 0.1073954329f,
+                                  -6.441430002e-2f};
 
 /// Turns sine and cosine of the reduced angle by `quadrant` right angles.
 template <typename T>
@@ -60,15 +68,19 @@ SinCosResult<T> TurnQuadrant(T sin, T cos, int64_t quadrant) {
 
 // ---- float, for the kernel ----
 
+/// sin and cos of 2 pi u for |u| <= 1/8, one or eight: absolute error below 1e-7.
+template <typename T>
+SinCosResult<T> SinCosWithinEighth(T u) {
+  const T u2 = u * u;
+  return {u * elementary_detail::Horner(u2, elementary_detail::kSin2Pi),
+          elementary_detail::Horner(u2, elementary_detail::kCos2Pi)};
+}
 /// sin and cos of 2 pi u: absolute error below 1e-7. The reduction is exact, so any finite
 /// |u| < 2^22 keeps that error.
 inline SinCosResult<float> SinCos2Pi(float u) {
-  const float quadrant = std::floor(4 * u + 0.5f);
-  const float r = u - 0.25f * quadrant;
-  const float r2 = r * r;
-  const float sin = r * elementary_detail::Horner(r2, elementary_detail::kSin2Pi);
-  const float cos = elementary_detail::Horner(r2, elementary_detail::kCos2Pi);
-  return elementary_detail::TurnQuadrant(sin, cos, static_cast<int64_t>(quadrant));
+  const float quadrant = std::floor(Fma(4, u, 0.5f));
+  const SinCosResult<float> reduced = SinCosWithinEighth(Fma(-0.25f, quadrant, u));
+  return elementary_detail::TurnQuadrant(reduced.sin, reduced.cos, static_cast<int64_t>(quadrant));
 }
 
 /// sin and cos of x in radians: absolute error below 1e-7 for |x| <= 1e6.
@@ -145,7 +157,7 @@ namespace elementary_detail {
 /// asin(x) for |x| <= 1/2.
 inline float AsinSmall(float x) {
   const float x2 = x * x;
-  return x + x * x2 * Horner(x2, kAsin);
+  return Fma(x * x2, Horner(x2, kAsin), x);
 }
 }  // namespace elementary_detail
 
@@ -174,9 +186,7 @@ inline float Atan2(float y, float x) {
   const float denominator = upper ? low + high : high;
   const float t = denominator > 0 ? (upper ? low - high : low) / denominator : denominator;
   const float t2 = t * t;
-  float angle = t + t * t2 *
-                        elementary_detail::Horner(t2, {-0.3333333135f, 0.1999951154f, -0.14263390f,
-                                                       0.1073954329f, -6.441430002e-2f});
+  float angle = Fma(t * t2, elementary_detail::Horner(t2, elementary_detail::kAtan), t);
   if (upper) angle += kPi / 4;
   if (ay >= ax && high > 0) angle = kPi / 2 - angle;
   if (std::signbit(x)) angle = kPi - angle;

@@ -18,19 +18,13 @@ inline SinCosResult<FloatLanes> TurnQuadrant(FloatLanes sin, FloatLanes cos, Int
   return {(quadrant & 2) != 0 ? -s : s, ((quadrant + 1) & 2) != 0 ? -c : c};
 }
 
-inline FloatLanes AsinSmall(FloatLanes x) {
-  const FloatLanes x2 = x * x;
-  return x + x * x2 * Horner(x2, kAsin);
-}
-
 }  // namespace elementary_detail
 
 inline SinCosResult<FloatLanes> SinCos2Pi(FloatLanes u) {
   using namespace elementary_detail;
-  const FloatLanes quadrant = Floor(4 * u + 0.5f);
-  const FloatLanes r = u - 0.25f * quadrant;
-  const FloatLanes r2 = r * r;
-  return TurnQuadrant(r * Horner(r2, kSin2Pi), Horner(r2, kCos2Pi), ToInt(quadrant));
+  const FloatLanes quadrant = Floor(Fma(SameFloat(4), u, SameFloat(0.5f)));
+  const SinCosResult<FloatLanes> reduced = SinCosWithinEighth(Fma(SameFloat(-0.25f), quadrant, u));
+  return TurnQuadrant(reduced.sin, reduced.cos, ToInt(quadrant));
 }
 
 inline SinCosResult<FloatLanes> SinCos(FloatLanes x) {
@@ -52,14 +46,19 @@ inline SinCosResult<FloatLanes> SinCos(FloatLanes x) {
                       reinterpret_cast<IntLanes>(_mm256_set_m128i(quadrants[1], quadrants[0])));
 }
 
-inline FloatLanes Acos(FloatLanes x) {
+inline FloatLanes Atan2(FloatLanes y, FloatLanes x) {
   using namespace elementary_detail;
-  const FloatLanes a = Abs(x);
-  const MaskLanes small = a <= 0.5f;
-  const FloatLanes root = Sqrt(0.5f * (a < 1 ? 1 - a : a - a));
-  const FloatLanes series = AsinSmall(small ? x : root);
-  const FloatLanes twice = 2 * series;
-  return small ? kPi / 2 - series : x > 0 ? twice : kPi - twice;
+  const FloatLanes ax = Abs(x), ay = Abs(y);
+  const FloatLanes high = ax > ay ? ax : ay, low = ax > ay ? ay : ax;
+  const MaskLanes upper = low > 0.41421356f * high;
+  const FloatLanes denominator = upper ? low + high : high;
+  const FloatLanes t = denominator > 0 ? (upper ? low - high : low) / denominator : denominator;
+  const FloatLanes t2 = t * t;
+  FloatLanes angle = Fma(t * t2, Horner(t2, kAtan), t);
+  angle = upper ? angle + kPi / 4 : angle;
+  angle = ((ay >= ax) & (high > 0)) ? kPi / 2 - angle : angle;
+  angle = reinterpret_cast<IntLanes>(x) < 0 ? kPi - angle : angle;
+  return CopySign(angle, y);
 }
 
 inline FloatLanes Exp(FloatLanes x) {

@@ -56,6 +56,8 @@ inline IntLanes Permute(IntLanes v, IntLanes from) {
 }
 
 inline FloatLanes Sqrt(FloatLanes v) { return _mm256_sqrt_ps(v); }
+inline FloatLanes Fma(FloatLanes a, FloatLanes b, FloatLanes c) { return _mm256_fmadd_ps(a, b, c); }
+inline Floats4 Fma(Floats4 a, Floats4 b, Floats4 c) { return _mm_fmadd_ps(a, b, c); }
 inline FloatLanes Floor(FloatLanes v) { return _mm256_floor_ps(v); }
 // As std::max and std::min: the first where one is NaN.
 inline FloatLanes Max(FloatLanes a, FloatLanes b) { return _mm256_max_ps(b, a); }
@@ -167,7 +169,10 @@ struct VectorsOf<FloatLanes> {
 };
 
 inline Vec3Lanes SameVector(Vec3f v) { return {SameFloat(v.x), SameFloat(v.y), SameFloat(v.z)}; }
-inline FloatLanes Dot(Vec3Lanes a, Vec3Lanes b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline Vec3Lanes Fma(Vec3Lanes a, FloatLanes s, Vec3Lanes b) {
+  return {Fma(a.x, s, b.x), Fma(a.y, s, b.y), Fma(a.z, s, b.z)};
+}
+inline FloatLanes Dot(Vec3Lanes a, Vec3Lanes b) { return Fma(a.x, b.x, Fma(a.y, b.y, a.z * b.z)); }
 inline FloatLanes AbsDot(Vec3Lanes a, Vec3Lanes b) { return Abs(Dot(a, b)); }
 inline FloatLanes LengthSquared(Vec3Lanes a) { return Dot(a, a); }
 inline Vec3Lanes Normalize(Vec3Lanes a) { return a * (1 / Sqrt(LengthSquared(a))); }
@@ -206,7 +211,7 @@ struct FrameLanes {
   Vec3Lanes x, y, z;
 
   Vec3Lanes ToLocal(Vec3Lanes v) const { return {Dot(v, x), Dot(v, y), Dot(v, z)}; }
-  Vec3Lanes ToWorld(Vec3Lanes v) const { return x * v.x + y * v.y + z * v.z; }
+  Vec3Lanes ToWorld(Vec3Lanes v) const { return Fma(x, v.x, Fma(y, v.y, z * v.z)); }
   Frame Get(int lane) const { return {x.Get(lane), y.Get(lane), z.Get(lane)}; }
   void Set(int lane, const Frame& frame) {
     x.Set(lane, frame.x);
@@ -220,7 +225,9 @@ struct FrameLanes {
         reinterpret_cast<FloatLanes>(reinterpret_cast<IntLanes>(one) | sign_bit);
     const FloatLanes a = -1 / (sign + n.z);
     const FloatLanes b = n.x * n.y * a;
-    return {{1 + sign * n.x * n.x * a, sign * b, -sign * n.x}, {b, sign + n.y * n.y * a, -n.y}, n};
+    return {{Fma(sign * n.x * n.x, a, one), sign * b, -sign * n.x},
+            {b, Fma(n.y * n.y, a, sign), -n.y},
+            n};
   }
 };
 

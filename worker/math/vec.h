@@ -10,6 +10,8 @@ inline float Sqrt(float v) { return std::sqrt(v); }
 inline float Abs(float v) { return std::fabs(v); }
 inline float Min(float a, float b) { return std::min(a, b); }
 inline float Max(float a, float b) { return std::max(a, b); }
+/// a b + c, rounded once: one instruction, the same bits everywhere.
+inline float Fma(float a, float b, float c) { return std::fma(a, b, c); }
 inline float CopySign(float magnitude, float sign) { return std::copysign(magnitude, sign); }
 
 struct Vec2f {
@@ -31,7 +33,10 @@ struct Vec3f {
   bool operator==(const Vec3f&) const = default;
 };
 
-inline float Dot(Vec3f a, Vec3f b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline Vec3f Fma(Vec3f a, float s, Vec3f b) {
+  return {Fma(a.x, s, b.x), Fma(a.y, s, b.y), Fma(a.z, s, b.z)};
+}
+inline float Dot(Vec3f a, Vec3f b) { return Fma(a.x, b.x, Fma(a.y, b.y, a.z * b.z)); }
 inline float AbsDot(Vec3f a, Vec3f b) { return std::abs(Dot(a, b)); }
 inline Vec3f Cross(Vec3f a, Vec3f b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
@@ -92,14 +97,16 @@ struct Frame {
   Vec3f x, y, z;
 
   Vec3f ToLocal(Vec3f v) const { return {Dot(v, x), Dot(v, y), Dot(v, z)}; }
-  Vec3f ToWorld(Vec3f v) const { return x * v.x + y * v.y + z * v.z; }
+  Vec3f ToWorld(Vec3f v) const { return Fma(x, v.x, Fma(y, v.y, z * v.z)); }
 
   /// Any basis around the unit vector `n` (Duff et al. 2017, JCGT 6(1)).
   static Frame FromNormal(Vec3f n) {
     const float sign = std::copysign(1.0f, n.z);
     const float a = -1 / (sign + n.z);
     const float b = n.x * n.y * a;
-    return {{1 + sign * n.x * n.x * a, sign * b, -sign * n.x}, {b, sign + n.y * n.y * a, -n.y}, n};
+    return {{Fma(sign * n.x * n.x, a, 1), sign * b, -sign * n.x},
+            {b, Fma(n.y * n.y, a, sign), -n.y},
+            n};
   }
 
   /// The basis around unit `n` with x along the part of `tangent` orthogonal to it; falls back to

@@ -18,7 +18,7 @@ inline Vec2f SampleConcentricDisk(Vec2f u) {
   const float radius = a_larger ? a : b;
   const float other = a_larger ? b : a;
   const float eighths = radius != 0 ? other / radius : 0;
-  const SinCosResult<float> angle = SinCos2Pi(0.125f * eighths);
+  const SinCosResult<float> angle = SinCosWithinEighth(0.125f * eighths);
   return a_larger ? Vec2f{radius * angle.cos, radius * angle.sin}
                   : Vec2f{radius * angle.sin, radius * angle.cos};
 }
@@ -26,7 +26,7 @@ inline constexpr float ConcentricDiskPdf() { return kInvPi; }
 
 /// The direction of the upper hemisphere over a point of the unit disk.
 inline Vec3f LiftFromDisk(Vec2f d) {
-  return {d.x, d.y, std::sqrt(std::max(0.0f, 1 - d.x * d.x - d.y * d.y))};
+  return {d.x, d.y, std::sqrt(std::max(0.0f, Fma(-d.x, d.x, Fma(-d.y, d.y, 1))))};
 }
 /// Direction of the upper hemisphere, by projected solid angle (Malley's method, PBRT A.5.3).
 inline Vec3f SampleCosineHemisphere(Vec2f u) { return LiftFromDisk(SampleConcentricDisk(u)); }

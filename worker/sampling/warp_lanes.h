@@ -12,13 +12,13 @@ inline Vec2Lanes SampleConcentricDisk(Vec2Lanes u) {
   const FloatLanes radius = a_larger ? a : b;
   const FloatLanes other = a_larger ? b : a;
   const FloatLanes eighths = radius != 0 ? other / radius : FloatLanes{};
-  const SinCosResult<FloatLanes> angle = SinCos2Pi(0.125f * eighths);
+  const SinCosResult<FloatLanes> angle = SinCosWithinEighth(0.125f * eighths);
   return {radius * (a_larger ? angle.cos : angle.sin), radius * (a_larger ? angle.sin : angle.cos)};
 }
 
 inline Vec3Lanes SampleCosineHemisphere(Vec2Lanes u) {
   const Vec2Lanes d = SampleConcentricDisk(u);
-  return {d.x, d.y, Sqrt(Max(FloatLanes{}, 1 - d.x * d.x - d.y * d.y))};
+  return {d.x, d.y, Sqrt(Max(FloatLanes{}, Fma(-d.x, d.x, Fma(-d.y, d.y, SameFloat(1)))))};
 }
 
 /// Weights of the first two corners of a triangle.
