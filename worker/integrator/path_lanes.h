@@ -46,7 +46,11 @@ class PathLanes {
   void Trace(Next next, CameraRays rays, Store store) {
     bool more = true;
     while (true) {
-      if (PathQueue* shade = FullestToShade(); shade->size() >= kLanes) {
+      // All rays, then all vertices: so the code of a stage is used some times while it is near.
+      PathQueue* shade = FullestToShade();
+      if (to_trace_.size() >= kLanes) {
+        Extend(to_trace_.Take());
+      } else if (shade->size() >= kLanes) {
         Shade(shade->Take());
       } else if (more && free_.size() >= kLanes) {
         more = Start(next, rays);
@@ -178,7 +182,7 @@ class PathLanes {
   MaskLanes Scatter(MaskLanes mask);
   [[gnu::noinline]] std::optional<BsdfSample> SampleOf(int lane, float u_lobe, Vec2f u) const;
   MaskLanes SurviveRoulette(MaskLanes mask);
-  MaskLanes SidesAgree(Vec3Lanes w, FloatLanes w_z) const { return Dot(surface_.ng, w) * w_z > 0; }
+  MaskLanes SidesAgree(Vec3Lanes w, FloatLanes w_z) const { return Dot(w, surface_.ng) * w_z > 0; }
   /// The media that rays enter which leave the vertices towards `w`.
   IntLanes MediumTowards(const Vec3Lanes& w, MaskLanes mask) const {
     const MediumSet& media = scene_.media();

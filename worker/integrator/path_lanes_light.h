@@ -41,17 +41,19 @@ inline MaskLanes PathLanes<Sampler, kHas>::AddDirectLight(MaskLanes mask) {
   mask &= SidesAgree(sample.wi, wi_z);
   FloatLanes bsdf_pdf = wo_z_ * wi_z > 0 ? kInvPi * Abs(wi_z) : FloatLanes{};
   RgbLanes f = reflectance_ * bsdf_pdf;
-  const Vec3Lanes wi = {Dot(sample.wi, frame_.x), Dot(sample.wi, frame_.y), wi_z};
   if (const MaskLanes coated = Coated(mask); Any(coated)) {
-    const BsdfValueLanes value = coat_.EvalPdf(wi);
+    const BsdfValueLanes value = coat_.EvalPdf(frame_.ToLocal(sample.wi));
     f = Select(coated, value.f, f);
     bsdf_pdf = coated ? value.pdf : bsdf_pdf;
   }
-  ForEachLane(OtherMaterials(mask), [&](int lane) {
-    const BsdfValue value = ValueOf(lane, wi.Get(lane));
-    f.Set(lane, value.f);
-    bsdf_pdf[lane] = value.pdf;
-  });
+  if (const MaskLanes others = OtherMaterials(mask); Any(others)) {
+    const Vec3Lanes wi = frame_.ToLocal(sample.wi);
+    ForEachLane(others, [&](int lane) {
+      const BsdfValue value = ValueOf(lane, wi.Get(lane));
+      f.Set(lane, value.f);
+      bsdf_pdf[lane] = value.pdf;
+    });
+  }
   mask &= ~IsBlack(f);
   if (!Any(mask)) return mask;
   ForEachLane(Guided(mask), [&](int lane) {

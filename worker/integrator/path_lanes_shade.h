@@ -83,8 +83,10 @@ inline void PathLanes<Sampler, kHas>::Save(const PathBatch& batch) {
 template <typename Sampler, uint32_t kHas>
 inline void PathLanes<Sampler, kHas>::FindBsdfs(MaskLanes mask) {
   const Vec3Lanes wo = -ray_.direction;
-  const MaskLanes seen = Dot(surface_.ns, wo) * Dot(surface_.ng, wo) > 0;
+  const FloatLanes along_ns = Dot(wo, surface_.ns), along_ng = Dot(wo, surface_.ng);
+  const MaskLanes seen = along_ns * along_ng > 0;
   frame_ = FrameLanes::FromNormal(Select(seen, surface_.ns, surface_.ng));
+  wo_z_ = seen ? along_ns : along_ng;
   const BaseLanes bases =
       FindBases(scene_.materials(), scene_.textures(), surface_, mask & ~InMedium(mask),
                 {.coats = HasCoats(), .textures = HasBaseTextures()}, &textured_);
@@ -94,12 +96,14 @@ inline void PathLanes<Sampler, kHas>::FindBsdfs(MaskLanes mask) {
   glass_ = bases.glass;
   receiver_.one_sided = mask & ~Glass(mask);
   receiver_.in_medium = InMedium(mask);
-  ForEachLane(OtherMaterials(mask), [&](int lane) {
-    bsdf_[lane] = &BsdfOf(lane, wo.Get(lane));
-    if (Transmits(*bsdf_[lane])) receiver_.one_sided[lane] = 0;
-  });
-  wo_z_ = Dot(wo, frame_.z);
-  if constexpr ((kHas & kOtherMaterials) != 0) wo_ = frame_.ToLocal(wo);
+  if (const MaskLanes others = OtherMaterials(mask); Any(others)) {
+    ForEachLane(others, [&](int lane) {
+      bsdf_[lane] = &BsdfOf(lane, wo.Get(lane));
+      if (Transmits(*bsdf_[lane])) receiver_.one_sided[lane] = 0;
+    });
+    wo_z_ = Dot(wo, frame_.z);
+  }
+  if (Any(OtherMaterials(mask) | Coated(mask) | Glass(mask))) wo_ = frame_.ToLocal(wo);
   receiver_.p = surface_.p;
   receiver_.n = Select(wo_z_ < 0, -frame_.z, frame_.z);
 }
