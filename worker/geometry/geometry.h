@@ -165,10 +165,10 @@ class Geometry {
 };
 
 /// How far along ng rays have to start from `p` that leave a surface there: by the error bound
-/// (PBRT 6.8.6) and by what rounding may bring the start nearer, so that it needs no directed
-/// rounding.
+/// (PBRT 6.8.6), by what rounding may bring the start nearer, so that it needs no directed
+/// rounding, and by twice as much again (docs/decisions.md).
 inline float OffsetDistance(Vec3f p, Vec3f p_error, Vec3f ng) {
-  return Dot(Abs(ng), Fma(Abs(p), Gamma(1), p_error)) * (1 + Gamma(16));
+  return Dot(Abs(ng), Fma(Abs(p), Gamma(3), p_error)) * (1 + Gamma(16));
 }
 /// Where a ray that leaves `p` in direction `w` starts, so that it does not hit the surface it
 /// leaves: OffsetDistance off it, on the side of w.

@@ -80,7 +80,7 @@ STRATA_CPU_CLONES void PointsOnTriangles(const TriangleSet& set, const HitLanes&
       Fma(Abs(p), SameFloat(Gamma(1)), Fma(reach, SameFloat(Gamma(5)), size * tilt));
   surface->p = p;
   surface->ng = ng;
-  surface->offset = Dot(size, Fma(Abs(p), SameFloat(Gamma(1)), p_error)) * (1 + Gamma(16));
+  surface->offset = Dot(size, Fma(Abs(p), SameFloat(Gamma(3)), p_error)) * (1 + Gamma(16));
 
   const MaskLanes smooth = mask & ((parts & Shape::kNormals) != 0),
                   mapped = with_uv ? mask & ((parts & Shape::kUvs) != 0) : MaskLanes{};

@@ -15,7 +15,7 @@ namespace {
 
 /// Of points on triangles and parallelograms, over the sum of their corners (gamma(6) of
 /// PBRT 6.8.1), and of where rays start off them.
-constexpr float kPointRounding = Gamma(7);
+constexpr float kPointRounding = Gamma(9);
 
 /// Distances, in roots of its area, up to which a triangle or rectangle is sampled by solid angle:
 /// beyond, the density per area hardly varies, and it costs more than it gains.

@@ -28,7 +28,7 @@ namespace sphere_light_detail {
 
 /// OffsetDistance of a point that is computed as center + n * radius.
 inline float PointOffset(const SphereLight& light, Vec3f n) {
-  return Dot(Abs(n), Abs(light.center) + Abs(n) * light.radius) * Gamma(7);
+  return Dot(Abs(n), Abs(light.center) + Abs(n) * light.radius) * Gamma(9);
 }
 
 /// A point on the sphere may round to either side of it, so the cone keeps a distance from points
